@@ -1,0 +1,61 @@
+#pragma once
+// Golden states and pictures: compare, bless, the report of a mismatch.
+//
+// golden/<scene>/ holds state_000000.bin, frame_000000.png … and golden.json (build fingerprint, renderer,
+// tolerances). States are compared first; pictures are drawn from the *golden* states, so that a change of the
+// simulation and one of the renderer are told apart.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/scene_file.h"
+#include "render/image.h"
+#include "sim/state.h"
+
+namespace cloth::pipeline {
+
+struct StateGate {
+    bool exact = false;       ///< same build: every bit must agree
+    double tolerance = 1e-6;  ///< otherwise: greatest distance of any vertex [m]
+};
+struct StateVerdict {
+    bool passed = false;
+    double largest_distance = 0;  ///< [m]
+    int worst_vertex = -1;
+    std::string reason;           ///< empty when passed
+};
+StateVerdict judge_state(const State& golden, const State& actual, const StateGate& gate);
+
+struct ImageVerdict {
+    bool passed = false;
+    render::ImageDifference difference;
+    std::string reason;
+};
+/// `exact`: decoded pixels equal (same renderer and version). Otherwise off by more than 2 at most 0.05 % of the
+/// pixels, by more than 32 at most 0.01 %, and a PSNR of at least 57 dB: passes the noise between processors,
+/// fails a missing shadow or a moved fold.
+ImageVerdict judge_image(const render::Image& golden, const render::Image& actual, bool exact);
+
+struct GoldenRow {
+    int frame = 0;
+    StateVerdict state;
+    ImageVerdict image;
+};
+struct GoldenResult {
+    bool passed = false;
+    std::string golden_build, actual_build, golden_renderer, actual_renderer;
+    std::vector<GoldenRow> rows;
+    std::filesystem::path report;  ///< self-contained HTML page
+};
+
+/// Re-runs the scene and compares; writes the HTML page into `out`. Throws Error(golden_mismatch) where goldens
+/// are missing.
+GoldenResult compare_golden(const SceneFile& file, const std::filesystem::path& golden,
+                            const std::filesystem::path& out, int threads);
+/// Re-runs the scene and replaces its goldens; returns the comparison with what stood there before (no rows where
+/// nothing did).
+GoldenResult bless_golden(const SceneFile& file, const std::filesystem::path& golden,
+                          const std::filesystem::path& out, int threads);
+
+}  // namespace cloth::pipeline

@@ -1,0 +1,64 @@
+#pragma once
+// What a picture shows, and how it is looked at. Nothing here knows of cloth simulation.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace cloth::render {
+
+using Float3 = std::array<float, 3>;
+
+/// Colours are linear Rec. 709 reflectances in 0 … 1.
+struct Material {
+    Float3 front{0.8f, 0.8f, 0.8f};  ///< the side the normals point to
+    Float3 back{0.8f, 0.8f, 0.8f};   ///< the other side
+    float roughness = 0.7f;          ///< of the specular lobe, 0 … 1
+    float specular = 0.04f;          ///< reflectance at normal incidence
+    float sheen = 0.0f;              ///< strength of the soft glow of fibres at grazing angles
+};
+
+/// A triangle mesh. The spans must outlive draw().
+struct Surface {
+    std::span<const float> positions;           ///< x y z per vertex [m]
+    std::span<const float> normals;             ///< x y z per vertex, unit length
+    std::span<const std::uint32_t> triangles;   ///< three vertex indices per triangle
+    Material material;
+    bool two_sided = false;                     ///< lit on both sides (cloth)
+};
+
+/// An endless horizontal floor that fades into the background.
+struct Ground {
+    float height = 0.0f;  ///< y [m]
+    Float3 color{0.6f, 0.6f, 0.6f};
+};
+
+struct Frame {
+    std::vector<Surface> surfaces;
+    std::optional<Ground> ground;
+};
+
+struct Light {
+    Float3 direction{0.4f, 1.0f, 0.5f};  ///< from the scene towards the light; any length but zero
+    Float3 color{1.0f, 0.97f, 0.92f};    ///< linear
+    float intensity = 2.6f;              ///< irradiance on a facing plane, in units where π·reflectance⁻¹ is white
+    bool shadow = true;
+};
+
+struct View {
+    int width = 1280, height = 720;     ///< [pixel]
+    Float3 eye{0.0f, 0.0f, 3.0f};       ///< [m]
+    Float3 target{0.0f, 0.0f, 0.0f};    ///< [m]
+    Float3 up{0.0f, 1.0f, 0.0f};
+    float field_of_view = 35.0f;        ///< vertical [degree]
+    Light light;
+    Float3 sky{0.75f, 0.8f, 0.88f};     ///< light from above, linear
+    Float3 background{0.8f, 0.82f, 0.85f};  ///< linear
+    float exposure = 1.0f;
+    /// Points (m) whose bounding box must lie inside the shadow map; empty: the frame's surfaces.
+    std::optional<std::array<Float3, 2>> shadow_bounds;
+};
+
+}  // namespace cloth::render

@@ -1,0 +1,46 @@
+#pragma once
+// All that is constant while a simulation runs.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/energy.h"
+#include "sim/scene.h"
+#include "sim/state.h"
+#include "sim/types.h"
+
+namespace cloth {
+
+/// A cloth's share of the common vertex and triangle lists.
+struct ClothRange {
+    std::string name;
+    int first_vertex = 0, vertex_count = 0;
+    int first_triangle = 0, triangle_count = 0;
+};
+
+struct Model {
+    Scene scene;                      ///< events sorted by time
+    Points rest_positions;            ///< shape (n, 3), all cloths one after another [m]
+    Triangles triangles;              ///< shape (m, 3), into all vertices
+    std::vector<ClothRange> cloths;
+    VecX triangle_areas;              ///< shape (m), at rest [m²]
+    std::vector<int> pinned;          ///< sorted, without repeats
+    std::vector<std::unique_ptr<Energy>> energies;  ///< the sum that the step minimises, drags apart
+    double time_step = 0.0;           ///< [s]
+    int steps_per_frame = 1;
+
+    int vertex_count() const { return static_cast<int>(rest_positions.rows()); }
+    int triangle_count() const { return static_cast<int>(triangles.rows()); }
+};
+
+/// Validates the scene and lists its energies; throws SceneError.
+Model build_model(const Scene& scene);
+
+/// State at time 0.
+State start_state(const Model& model);
+
+/// Vertices that a pin holds, numbered within its cloth; throws SceneError where it holds none.
+std::vector<int> select_vertices(const PinDesc& pin, const Points& start, const std::string& key);
+
+}  // namespace cloth

@@ -1,0 +1,56 @@
+#pragma once
+// The public face of the simulation library.
+
+#include <memory>
+#include <optional>
+
+#include "sim/model.h"
+#include "sim/scene.h"
+#include "sim/state.h"
+#include "sim/types.h"
+
+namespace cloth {
+
+/// What one step did.
+struct StepReport {
+    bool converged = true;          ///< false: the Newton iteration ended above its tolerance
+    int iterations = 0;             ///< linear solves
+    double residual = 0.0;          ///< |g| / |g at the step's start| reached
+    double energy_before = 0.0;     ///< kinetic + potential at the step's start [J]
+    double energy_after = 0.0;      ///< the same at its end [J]
+    double largest_stretch = 1.0;   ///< greatest principal stretch of any triangle at its end
+    int contacts = 0;               ///< vertices met by the velocity filter
+    std::optional<int> non_finite_vertex;  ///< the state is no longer usable
+};
+
+/// What the steps of one frame did: sums, worst values, and the energies at its two ends.
+struct FrameReport : StepReport {
+    std::int64_t frame = 0;  ///< the frame that was reached
+    int steps = 0;
+};
+
+/// Owns model, state and workspace; advances the state.
+class Simulation {
+  public:
+    /// Throws SceneError where the scene cannot be simulated. `threads` ≤ 0 means all cores. The states do not
+    /// depend on `threads`.
+    explicit Simulation(const Scene& scene, int threads = 0);
+    ~Simulation();
+    Simulation(Simulation&&) noexcept;
+
+    const Model& model() const;
+    const State& state() const;
+    /// Continues from `state`; throws std::invalid_argument where its sizes do not fit the model.
+    void restore(const State& state);
+
+    /// One time step.
+    StepReport step();
+    /// Steps to the next frame; stops early at a non-finite state.
+    FrameReport advance_frame();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cloth
