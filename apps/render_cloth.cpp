@@ -1,0 +1,472 @@
+// Arguments and verbs of the program `render_cloth`; the work is done by src/pipeline/run.h and golden.h.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "pipeline/error.h"
+#include "pipeline/golden.h"
+#include "pipeline/run.h"
+#include "pipeline/state_store.h"
+#include "pipeline/video.h"
+#include "render/rasterizer.h"
+
+namespace {
+
+using namespace cloth;
+using namespace cloth::pipeline;
+namespace fs = std::filesystem;
+
+// ---------------------------------------------------------------- arguments
+
+/// As typed; the values are read below, so that each is refused in the same words wherever it is given.
+struct Arguments {
+    std::string scene, frames, out, size, fps, threads, frame, format, file, golden;
+    std::vector<std::string> set;
+    bool quiet = false, no_video = false, version = false;
+};
+
+[[noreturn]] void refuse(const std::string& line) {
+    throw Error(ExitCode::usage, line);
+}
+
+template <class T>
+std::optional<T> number(std::string_view text) {
+    T value{};
+    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+int frame_count(const std::string& text) {
+    const auto n = number<int>(text);
+    if (!n || *n < 1 || *n > 999999)
+        refuse(fmt::format("--frames {}: give a whole number, 1 … 999999", text));
+    return *n;
+}
+
+int thread_count(const std::string& text) {
+    if (text.empty()) return 0;
+    const auto n = number<int>(text);
+    if (!n || *n < 1 || *n > 1024)
+        refuse(fmt::format("--threads {}: give a whole number, 1 … 1024; without it all cores work", text));
+    return *n;
+}
+
+std::array<int, 2> picture_size(const std::string& text) {
+    const std::size_t x = std::min(text.find('x'), text.size());
+    const auto side = [](std::string_view digits) {
+        const int n = number<int>(digits).value_or(0);
+        return n >= 16 && n <= 8192 ? n : 0;
+    };
+    const std::string_view view = text;
+    const std::array<int, 2> size{side(view.substr(0, x)), side(view.substr(std::min(x + 1, view.size())))};
+    if (size[0] == 0 || size[1] == 0)
+        refuse(fmt::format("--size {}: give WIDTHxHEIGHT, each 16 … 8192 pixels, as in 1280x720", text));
+    return size;
+}
+
+double frame_rate(const std::string& text) {
+    const auto rate = number<double>(text);
+    if (!rate || !std::isfinite(*rate) || *rate < 0.1 || *rate > 1000)
+        refuse(fmt::format("--fps {}: give frames per second, 0.1 … 1000", text));
+    return *rate;
+}
+
+FrameSpan frame_span(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    const auto first = number<std::int64_t>(text.substr(0, colon));
+    const auto last =
+        colon == std::string::npos ? std::nullopt : number<std::int64_t>(text.substr(colon + 1));
+    if (!first || !last || *first < 0 || *last <= *first)
+        refuse(fmt::format("--frames {}: give A:B with 0 <= A < B; it draws the frames A … B-1", text));
+    return {*first, *last};
+}
+
+// ---------------------------------------------------------------- progress
+
+std::atomic<bool> stop_wanted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+
+void watch_signals() {
+    struct sigaction action = {};
+    action.sa_handler = [](int) { stop_wanted = true; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends the program at once
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    // A file size limit then shows as a write error with its cause.
+    std::signal(SIGXFSZ, SIG_IGN);
+}
+
+std::string clock_text(double seconds) {
+    const auto s = static_cast<long>(std::lround(seconds));
+    return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                     : fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+/// On standard error: a bar on a terminal, a line every few seconds elsewhere.
+class ProgressLine {
+  public:
+    explicit ProgressLine(bool pictures) : pictures_(pictures) {}
+    ~ProgressLine() { clear(); }
+
+    void show(const Progress& progress) {
+        const std::int64_t done = pictures_ ? progress.written : progress.simulated;
+        const auto now = std::chrono::steady_clock::now();
+        const bool last = done == progress.frames;
+        if (now - shown_ < std::chrono::duration<double>(terminal_ ? 0.1 : 5.0) && !(last && terminal_))
+            return;
+        shown_ = now;
+        const double seconds = std::chrono::duration<double>(now - start_).count();
+        const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
+        std::string text = fmt::format("{}/{} frames, {:.1f} frames/s", done, progress.frames, rate);
+        if (rate > 0) text += ", " + clock_text(static_cast<double>(progress.frames - done) / rate) + " left";
+        if (terminal_) {
+            constexpr std::int64_t width = 30;
+            const auto full = static_cast<std::size_t>(width * done / progress.frames);
+            fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(full, '#'), std::string(width - full, '.'),
+                       text);
+            drawn_ = true;
+        } else {
+            fmt::print(stderr, "{}\n", text);
+        }
+        std::fflush(stderr);
+    }
+
+    /// Makes room for other lines.
+    void clear() {
+        if (drawn_) fmt::print(stderr, "\r\033[K");
+        drawn_ = false;
+    }
+
+  private:
+    bool pictures_;
+    bool terminal_ = isatty(STDERR_FILENO) == 1;
+    bool drawn_ = false;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), shown_ = start_;
+};
+
+// ---------------------------------------------------------------- verbs
+
+/// The flags as --set lines, behind those that the user gave: a flag is the more deliberate of the two.
+Overrides overrides(const Arguments& args) {
+    Overrides list = args.set;
+    if (!args.size.empty()) {
+        const auto [width, height] = picture_size(args.size);
+        list.push_back(fmt::format("output.width={}", width));
+        list.push_back(fmt::format("output.height={}", height));
+    }
+    return list;
+}
+
+/// --fps sets the movie's rate. In a scene without a playback rate of its own time runs true, and it keeps
+/// doing so: the simulation makes as many frames per second.
+SceneFile scene_for(const Arguments& args) {
+    if (args.scene.empty())
+        refuse("--scene is missing: give a scene's name or file; render_cloth list names them");
+    Overrides list = overrides(args);
+    if (!args.frames.empty()) list.push_back(fmt::format("output.frames={}", frame_count(args.frames)));
+    if (args.fps.empty()) return load_scene(args.scene, list);
+    const double fps = frame_rate(args.fps);
+    const bool own_rate = load_scene(args.scene, list).output.playback_rate.has_value();
+    list.push_back(fmt::format("{}={:#}", own_rate ? "output.playback_rate" : "simulation.frame_rate", fps));
+    return load_scene(args.scene, list);
+}
+
+Overrides redraw_overrides(const Arguments& args) {
+    Overrides list = overrides(args);
+    if (!args.fps.empty()) list.push_back(fmt::format("output.playback_rate={:#}", frame_rate(args.fps)));
+    return list;
+}
+
+fs::path run_folder(const Arguments& args) {
+    if (args.out.empty()) refuse("--out is missing: give the folder of a run");
+    return args.out;
+}
+
+fs::path output_folder(const Arguments& args, const SceneFile& file) {
+    return args.out.empty() ? fs::path("out") / file.name : fs::path(args.out);
+}
+
+std::string plural(std::int64_t n, const std::string& noun) {
+    return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
+}
+
+/// What was made, how long each stage took, where it lies.
+std::string last_line(const RunSummary& summary, const fs::path& out) {
+    std::string made = summary.states > 0 ? plural(summary.states, "frame") : std::string();
+    if (summary.images > 0)
+        made += fmt::format("{}{} of {}x{}", made.empty() ? "" : ", ", plural(summary.images, "picture"),
+                            summary.width, summary.height);
+    if (!summary.movie.empty())
+        made += fmt::format("{}a movie at {:g} frames/s", made.empty() ? "" : ", ", summary.playback_rate);
+    std::string stages;
+    const auto stage = [&](const char* name, double seconds) {
+        if (seconds > 0) stages += fmt::format("{} {:.1f} s, ", name, seconds);
+    };
+    stage("simulate", summary.times.simulate);
+    stage("draw", summary.times.draw);
+    stage("png", summary.times.png);
+    stage("encode", summary.times.encode);
+    return fmt::format("{}: {} ({}wall {:.1f} s): {}", summary.scene, made, stages, summary.times.wall,
+                       summary.movie.empty() ? out.string() : summary.movie.string());
+}
+
+/// Tells of a run that came to its end, and gives its exit code.
+ExitCode conclude(const RunSummary& summary, const fs::path& out) {
+    if (summary.interrupted)
+        throw Error(
+            ExitCode::interrupted,
+            summary.states > 0
+                ? fmt::format("interrupted: {} and {} of {} are kept in {}", plural(summary.states, "state"),
+                              plural(summary.images, "picture"), summary.frames, out.string())
+                : fmt::format("interrupted: {} drawn of {} are kept in {}", plural(summary.images, "picture"),
+                              summary.frames, out.string()));
+    fmt::print("{}\n", last_line(summary, out));
+    if (!summary.unconverged.empty())
+        throw Error(
+            ExitCode::not_converged,
+            fmt::format("{}: {} did not converge, first frame {}, worst residual {:.2g}; all frames are kept",
+                        summary.scene, plural(static_cast<std::int64_t>(summary.unconverged.size()), "frame"),
+                        summary.unconverged.front(), summary.worst_residual));
+    return ExitCode::good;
+}
+
+template <class Work>
+ExitCode with_progress(const Arguments& args, bool pictures, const fs::path& out, Work work) {
+    RunSummary summary;
+    {
+        ProgressLine line(pictures);
+        RunOptions options;
+        options.pictures = pictures;
+        options.movie = pictures && !args.no_video;
+        options.threads = thread_count(args.threads);
+        options.stop = &stop_wanted;
+        if (!args.quiet) options.progress = [&](const Progress& progress) { line.show(progress); };
+        summary = work(options);
+    }
+    return conclude(summary, out);
+}
+
+ExitCode run(const Arguments& args, bool pictures) {
+    thread_count(args.threads);
+    const SceneFile file = scene_for(args);
+    const fs::path out = output_folder(args, file);
+    return with_progress(args, pictures, out,
+                         [&](const RunOptions& options) { return run_scene(file, out, options); });
+}
+
+ExitCode render(const Arguments& args) {
+    std::optional<FrameSpan> span;
+    if (!args.frames.empty()) span = frame_span(args.frames);
+    const fs::path out = run_folder(args);
+    return with_progress(args, true, out, [&](const RunOptions& options) {
+        return render_run(out, span, redraw_overrides(args), options);
+    });
+}
+
+ExitCode encode(const Arguments& args) {
+    const fs::path out = run_folder(args);
+    return with_progress(args, true, out, [&](const RunOptions& options) {
+        return encode_run(out, redraw_overrides(args), options);
+    });
+}
+
+ExitCode export_mesh(const Arguments& args) {
+    const fs::path out = run_folder(args);
+    const auto frame = number<std::int64_t>(args.frame);
+    if (args.frame.empty()) refuse("--frame is missing: give the number of a kept frame");
+    if (!frame || *frame < 0) refuse(fmt::format("--frame {}: give a whole number, 0 or more", args.frame));
+    if (args.format != "obj" && args.format != "ply")
+        refuse(fmt::format("--format {}: give obj or ply", args.format.empty() ? "is missing" : args.format));
+    if (args.file.empty()) refuse("--file is missing: give the mesh file to write");
+    export_frame(out, *frame, args.format == "obj" ? MeshFormat::obj : MeshFormat::ply, args.file);
+    fmt::print("frame {} as {}: {}\n", *frame, args.format, args.file);
+    return ExitCode::good;
+}
+
+fs::path golden_folder(const Arguments& args, const SceneFile& file) {
+    return (args.golden.empty() ? fs::path(CLOTH_GOLDEN_DIR) : fs::path(args.golden)) / file.name;
+}
+
+ExitCode compare(const Arguments& args) {
+    const int threads = thread_count(args.threads);
+    const SceneFile file = scene_for(args);
+    const GoldenResult result =
+        compare_golden(file, golden_folder(args, file), output_folder(args, file), threads);
+    fmt::print("{}report: {}\n", golden_table(result), result.report.string());
+    if (!result.passed)
+        throw Error(
+            ExitCode::golden_mismatch,
+            fmt::format("{} differs from its goldens, see {}; if the change is wanted: render_cloth bless {}",
+                        file.name, result.report.string(), args.scene));
+    return ExitCode::good;
+}
+
+ExitCode bless(const Arguments& args) {
+    const int threads = thread_count(args.threads);
+    const SceneFile file = scene_for(args);
+    const fs::path golden = golden_folder(args, file);
+    const GoldenResult result = bless_golden(file, golden, output_folder(args, file), threads);
+    if (result.rows.empty())
+        fmt::print("{}: nothing to compare with\n", file.name);
+    else
+        fmt::print("old against new:\n{}", golden_table(result));
+    fmt::print("{}: goldens written to {}\n", file.name, golden.string());
+    return ExitCode::good;
+}
+
+ExitCode list() {
+    for (const auto& [name, description] : list_scenes()) fmt::print("{:<16}{}\n", name, description);
+    return ExitCode::good;
+}
+
+ExitCode version() {
+    const auto attempt = [](auto&& ask) -> std::string {
+        try {
+            return ask();
+        } catch (const std::exception& e) {
+            return std::string("not available: ") + e.what();
+        }
+    };
+    fmt::print("render_cloth {}\ncompiler: {}\nbuild: {}\nrenderer: {}\nencoder: {}\n", CLOTH_VERSION,
+#if defined(__clang__)
+               "clang " __clang_version__,
+#else
+               "g++ " __VERSION__,
+#endif
+               build_fingerprint(), attempt([] { return render::Rasterizer(1).description(); }),
+               attempt(ffmpeg_version));
+    return ExitCode::good;
+}
+
+// ---------------------------------------------------------------- command line
+
+void add_run_flags(CLI::App& app, Arguments& args) {
+    app.add_option("--scene", args.scene, "Scene, by name or TOML file")->type_name("NAME|FILE");
+    app.add_option("--frames", args.frames, "Number of frames; frame 0 is the start pose")->type_name("N");
+    app.add_option("--out", args.out, "Folder of the run (default: out/NAME)")->type_name("DIR");
+    app.add_option("--size", args.size, "Size of the pictures")->type_name("WxH");
+    app.add_option("--fps", args.fps, "Frames per second of the movie")->type_name("F");
+}
+
+void add_common_flags(CLI::App& app, Arguments& args) {
+    app.add_option("--set", args.set, "Override a key of the scene; may be repeated")
+        ->type_name("KEY=VALUE")
+        ->allow_extra_args(false);
+    app.add_option("--threads", args.threads, "Threads (default: all cores); the result is the same for any")
+        ->type_name("N");
+    app.add_flag("--quiet", args.quiet, "No progress");
+    app.add_flag("--no-video", args.no_video, "Pictures only, no MP4");
+}
+
+ExitCode dispatch(int argc, char** argv) {
+    Arguments args;
+    CLI::App app("Simulates cloth, draws every frame, and makes a movie of it.", "render_cloth");
+    app.allow_extras();  // told of below, in one line
+    app.get_formatter()->column_width(34);
+    app.add_flag("--version", args.version, "Version, compiler, build fingerprint, GL renderer");
+    add_run_flags(app, args);
+    add_common_flags(app, args);
+
+    const auto verb = [&](const char* name, const char* what) { return app.add_subcommand(name, what); };
+    CLI::App* run_verb = verb("run", "Simulate, draw and encode (the default)");
+    CLI::App* simulate_verb = verb("simulate", "States only; the same flags");
+    CLI::App* render_verb = verb("render", "Pictures and movie from the kept states of a run");
+    CLI::App* encode_verb = verb("encode", "The movie from the kept pictures of a run");
+    CLI::App* export_verb = verb("export", "A kept frame's state as a mesh file");
+    CLI::App* compare_verb = verb("compare", "Run a scene and compare with its golden frames");
+    CLI::App* bless_verb = verb("bless", "Run a scene and renew its golden frames");
+    CLI::App* list_verb = verb("list", "Names of the scenes");
+    for (CLI::App* each : {run_verb, simulate_verb}) {
+        add_run_flags(*each, args);
+        add_common_flags(*each, args);
+    }
+    for (CLI::App* each : {render_verb, encode_verb}) {
+        each->add_option("--out", args.out, "Folder of the run")->type_name("DIR");
+        each->add_option("--fps", args.fps, "Frames per second of the movie")->type_name("F");
+        add_common_flags(*each, args);
+    }
+    render_verb->add_option("--frames", args.frames, "Draw the frames A to B-1 only")->type_name("A:B");
+    render_verb->add_option("--size", args.size, "Size of the pictures")->type_name("WxH");
+    export_verb->add_option("--out", args.out, "Folder of the run")->type_name("DIR");
+    export_verb->add_option("--frame", args.frame, "Number of the frame")->type_name("K");
+    export_verb->add_option("--format", args.format, "obj or ply")->type_name("obj|ply");
+    export_verb->add_option("--file", args.file, "Mesh file to write")->type_name("F");
+    for (CLI::App* each : {compare_verb, bless_verb}) {
+        each->add_option("scene", args.scene, "Scene, by name or TOML file")->type_name("SCENE");
+        each->add_option("--golden", args.golden, "Folder with a folder of goldens for each scene")
+            ->type_name("DIR");
+        each->add_option("--out", args.out, "Folder of the report (default: out/NAME)")->type_name("DIR");
+        each->add_option("--threads", args.threads, "Threads (default: all cores)")->type_name("N");
+    }
+    compare_verb->add_option("--set", args.set, "Override a key of the scene; may be repeated")
+        ->type_name("KEY=VALUE")
+        ->allow_extra_args(false);
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& help) {
+        app.exit(help);
+        return ExitCode::good;
+    } catch (const CLI::ParseError& e) {
+        refuse(std::string(e.what()) + "; see render_cloth --help");
+    }
+    if (const std::vector<std::string> extra = app.remaining(true); !extra.empty()) {
+        if (extra.front().starts_with("-"))
+            refuse("unknown option " + extra.front() + "; see render_cloth --help");
+        if (app.get_subcommands().empty())
+            refuse("unknown verb \"" + extra.front() +
+                   "\"; known: run, simulate, render, encode, export, compare, bless, list");
+        refuse("unexpected argument \"" + extra.front() + "\"; see render_cloth --help");
+    }
+    for (const char* name : {"compare", "bless"})
+        if (app.got_subcommand(name) && args.scene.empty())
+            refuse(fmt::format("{}: the scene is missing, as in render_cloth {} drape_sphere", name, name));
+
+    if (args.version) return version();
+    if (*list_verb) return list();
+    if (*render_verb) return render(args);
+    if (*encode_verb) return encode(args);
+    if (*export_verb) return export_mesh(args);
+    if (*compare_verb) return compare(args);
+    if (*bless_verb) return bless(args);
+    return run(args, !*simulate_verb);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    watch_signals();
+    ExitCode code = ExitCode::other;
+    std::string line;
+    try {
+        return static_cast<int>(dispatch(argc, argv));
+    } catch (const Error& e) {
+        code = e.code;
+        line = e.what();
+    } catch (const SceneError& e) {
+        code = ExitCode::invalid_scene;
+        line = e.key.empty() ? e.what() : e.key + ": " + e.what();
+    } catch (const std::exception& e) {
+        line = e.what();
+    }
+    std::fflush(stdout);
+    fmt::print(stderr, "render_cloth: {}\n", line);
+    return static_cast<int>(code);
+}

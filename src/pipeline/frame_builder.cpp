@@ -1,0 +1,116 @@
+#include "pipeline/frame_builder.h"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace cloth::pipeline {
+
+namespace {
+
+constexpr int sphere_meridians =
+    128;  // chord error 0.03 % of the radius: below a pixel up to 8k pictures' width
+constexpr int sphere_parallels = 64;
+constexpr double plane_half_width = 10.0;  // [m]
+
+void append(std::vector<float>& list, const Vec3& v) {
+    for (int i = 0; i < 3; ++i) list.push_back(static_cast<float>(v[i]));
+}
+
+void append_triangle(std::vector<std::uint32_t>& list, int a, int b, int c) {
+    for (const int corner : {a, b, c}) list.push_back(static_cast<std::uint32_t>(corner));
+}
+
+}  // namespace
+
+FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(file), model_(model) {
+    for (const ClothRange& cloth : model.cloths) {
+        Mesh mesh;
+        for (int t = cloth.first_triangle; t < cloth.first_triangle + cloth.triangle_count; ++t)
+            append_triangle(mesh.triangles, model.triangles(t, 0) - cloth.first_vertex,
+                            model.triangles(t, 1) - cloth.first_vertex,
+                            model.triangles(t, 2) - cloth.first_vertex);
+        mesh.positions.resize(3 * static_cast<std::size_t>(cloth.vertex_count));
+        mesh.normals.resize(mesh.positions.size());
+        cloths_.push_back(std::move(mesh));
+    }
+    for (const ColliderDesc& collider : model.scene.colliders) {
+        Mesh mesh;
+        if (collider.shape == Shape::sphere) {
+            // Rings from pole to pole; the poles are rings of coinciding vertices.
+            for (int j = 0; j <= sphere_parallels; ++j)
+                for (int i = 0; i < sphere_meridians; ++i) {
+                    const double polar = std::numbers::pi * j / sphere_parallels;
+                    const double azimuth = 2.0 * std::numbers::pi * i / sphere_meridians;
+                    const Vec3 normal(std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                                      -std::sin(polar) * std::sin(azimuth));
+                    append(mesh.positions, collider.center + collider.radius * normal);
+                    append(mesh.normals, normal);
+                }
+            for (int j = 0; j < sphere_parallels; ++j)
+                for (int i = 0; i < sphere_meridians; ++i) {
+                    const int next = (i + 1) % sphere_meridians;
+                    const int a = j * sphere_meridians + i, b = j * sphere_meridians + next;
+                    const int c = a + sphere_meridians, d = b + sphere_meridians;
+                    if (j > 0) append_triangle(mesh.triangles, a, c, b);
+                    if (j + 1 < sphere_parallels) append_triangle(mesh.triangles, b, c, d);
+                }
+        } else {
+            const Vec3 normal = collider.normal.normalized();
+            const Vec3 aside = std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitZ();
+            const Vec3 u = normal.cross(aside).normalized();
+            const Vec3 v = normal.cross(u);
+            for (const auto& [s, t] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+                append(mesh.positions, collider.center + plane_half_width * (s * u + t * v));
+                append(mesh.normals, normal);
+            }
+            append_triangle(mesh.triangles, 0, 1, 2);
+            append_triangle(mesh.triangles, 0, 2, 3);
+        }
+        colliders_.push_back(std::move(mesh));
+    }
+}
+
+render::Frame FrameBuilder::build(const State& state) {
+    if (state.positions.size() != 3 * static_cast<Eigen::Index>(model_.vertex_count()) ||
+        state.collider_on.size() != colliders_.size())
+        throw std::invalid_argument("the state does not fit the scene");
+    render::Frame frame;
+    frame.ground = file_.ground;
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+        const ClothRange& cloth = model_.cloths[c];
+        Mesh& mesh = cloths_[c];
+        // Weighted by area in doubles: a crossed product is twice a triangle's area long.
+        Points normals = Points::Zero(cloth.vertex_count, 3);
+        for (int t = cloth.first_triangle; t < cloth.first_triangle + cloth.triangle_count; ++t) {
+            const Vec3 p0 = state.positions.segment<3>(3 * model_.triangles(t, 0));
+            const Vec3 p1 = state.positions.segment<3>(3 * model_.triangles(t, 1));
+            const Vec3 p2 = state.positions.segment<3>(3 * model_.triangles(t, 2));
+            const Vec3 weighted = (p1 - p0).cross(p2 - p0);
+            for (int k = 0; k < 3; ++k)
+                normals.row(model_.triangles(t, k) - cloth.first_vertex) += weighted.transpose();
+        }
+        for (int i = 0; i < cloth.vertex_count; ++i) {
+            const Vec3 position = state.positions.segment<3>(3 * (cloth.first_vertex + i));
+            Vec3 normal = normals.row(i).transpose();
+            const double length = normal.norm();
+            normal = length > 0 ? Vec3(normal / length) : Vec3(Vec3::UnitY());  // folded flat: any will do
+            for (int k = 0; k < 3; ++k) {
+                mesh.positions[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(position[k]);
+                mesh.normals[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(normal[k]);
+            }
+        }
+        frame.surfaces.push_back(
+            {mesh.positions, mesh.normals, mesh.triangles, file_.cloth_looks.at(c).material, true});
+    }
+    for (std::size_t c = 0; c < colliders_.size(); ++c) {
+        const ColliderDesc& collider = model_.scene.colliders[c];
+        if (!collider.drawn || state.collider_on[c] == 0) continue;
+        const Mesh& mesh = colliders_[c];
+        frame.surfaces.push_back(
+            {mesh.positions, mesh.normals, mesh.triangles, file_.collider_looks.at(c).material, false});
+    }
+    return frame;
+}
+
+}  // namespace cloth::pipeline

@@ -1,0 +1,94 @@
+#pragma once
+// A whole run: simulate, draw, write pictures, encode. The stages work at the same time on successive frames;
+// the results do not depend on how they interleave.
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/mesh_file.h"
+#include "pipeline/scene_file.h"
+#include "sim/simulation.h"
+
+namespace cloth::pipeline {
+
+/// Frames that each stage has finished.
+struct Progress {
+    std::int64_t frames = 0;  ///< to be made
+    std::int64_t simulated = 0, drawn = 0, written = 0, encoded = 0;
+};
+
+struct RunOptions {
+    bool pictures = true;
+    bool movie = true;  ///< needs pictures
+    int threads = 0;    ///< ≤ 0: all cores
+    /// Called after each frame of each stage, by one thread at a time.
+    std::function<void(const Progress&)> progress;
+    /// Looked at between frames: true ends the run, every finished frame kept.
+    const std::atomic<bool>* stop = nullptr;
+};
+
+/// Time that each stage was busy [s]; they overlap, so `wall` is less than their sum.
+struct StageTimes {
+    double simulate = 0, store = 0, draw = 0, png = 0, encode = 0, wall = 0;
+};
+
+/// What is known of one simulated frame.
+struct FrameRecord {
+    FrameReport report;
+    std::string state_hash;
+};
+
+struct RunSummary {
+    std::string scene;
+    std::int64_t frames = 0;    ///< asked for
+    std::int64_t states = 0;    ///< written
+    std::int64_t images = 0;    ///< written
+    int width = 0, height = 0;  ///< of the pictures [pixel]; 0 without
+    double playback_rate = 0;   ///< [1/s]
+    bool interrupted = false;
+    std::vector<FrameRecord> records;
+    std::vector<std::int64_t> unconverged;  ///< frames with a step that missed its tolerance
+    double worst_residual = 0;              ///< among them
+    StageTimes times;
+    std::string renderer, encoder;  ///< versions; empty where not used
+    std::filesystem::path movie;    ///< empty where none was made
+};
+
+/// Pictures per second of the movie.
+double playback_rate(const SceneFile& file);
+
+/// Runs `file` for its output.frames frames into the folder `out`, in place of the run that it may hold, and
+/// leaves a report there. What can be refused is refused before anything there is touched: SceneError,
+/// Error(encoder) without ffmpeg. Throws Error(not_converged) at the first state that is not finite, naming
+/// frame, vertex and last good frame, once the good frames are drawn; Error(encoder) where only the movie
+/// failed, once all is drawn.
+RunSummary run_scene(const SceneFile& file, const std::filesystem::path& out, const RunOptions& options);
+
+/// The frames first … last - 1.
+struct FrameSpan {
+    std::int64_t first = 0, last = 0;
+};
+
+/// Draws the kept states of the run in `out`, and makes the movie where all pictures of the run are there in
+/// the end. `overrides` change the scene that is drawn, not the kept one. Throws Error(usage) for a span with
+/// frames that have no state.
+RunSummary render_run(const std::filesystem::path& out, const std::optional<FrameSpan>& span,
+                      const Overrides& overrides, const RunOptions& options);
+
+/// Makes the movie again from the kept pictures, which must be all of the run and of one size.
+RunSummary encode_run(const std::filesystem::path& out, const Overrides& overrides,
+                      const RunOptions& options);
+
+/// Writes the kept state of `frame` as a mesh, all cloths together. Throws Error(usage) where it is not kept.
+void export_frame(const std::filesystem::path& out, std::int64_t frame, MeshFormat format,
+                  const std::filesystem::path& file);
+
+/// The scene whose folder is `out`. Throws Error(other) where it and the kept states do not belong together.
+SceneFile load_run_scene(const std::filesystem::path& out, const Overrides& overrides = {});
+
+}  // namespace cloth::pipeline
