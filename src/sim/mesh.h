@@ -11,9 +11,10 @@ namespace cloth {
 /// Vertices row by row from the lower left, x fastest: vertex (i, j) has index j * resolution[0] + i.
 MeshData make_grid(const Grid& grid);
 
-/// Refuses what is no cloth: no triangle, an index out of range, a triangle with a repeated corner or (nearly)
-/// no area, the same three corners twice, an edge of more than two triangles, a non-finite coordinate, a vertex
-/// of no triangle. Throws SceneError under `key`, naming the triangle or vertex (counted from 0).
+/// Refuses what is no cloth: no triangle, an index out of range, a triangle with a repeated corner or
+/// (nearly) no area, the same three corners twice, an edge of more than two triangles, a non-finite
+/// coordinate, a vertex of no triangle. Throws SceneError under `key`, naming the triangle or vertex (counted
+/// from 0).
 void check_cloth_mesh(const MeshData& mesh, const std::string& key);
 
 /// Start positions of a cloth: rest shape or pose, bump, then transform. Shape (n, 3) [m].

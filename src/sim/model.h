@@ -5,12 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "sim/block_matrix.h"
 #include "sim/energy.h"
 #include "sim/scene.h"
 #include "sim/state.h"
 #include "sim/types.h"
 
 namespace cloth {
+
+class MembraneEnergy;
 
 /// A cloth's share of the common vertex and triangle lists.
 struct ClothRange {
@@ -20,14 +23,18 @@ struct ClothRange {
 };
 
 struct Model {
-    Scene scene;                      ///< events sorted by time
-    Points rest_positions;            ///< shape (n, 3), all cloths one after another [m]
-    Triangles triangles;              ///< shape (m, 3), into all vertices
+    Scene scene;            ///< events sorted by time
+    Points rest_positions;  ///< shape (n, 3), all cloths one after another [m]
+    Triangles triangles;    ///< shape (m, 3), into all vertices
     std::vector<ClothRange> cloths;
-    VecX triangle_areas;              ///< shape (m), at rest [m²]
-    std::vector<int> pinned;          ///< sorted, without repeats
+    VecX triangle_areas;      ///< shape (m), at rest [m²]
+    std::vector<int> pinned;  ///< sorted, without repeats
+    BlockPattern pattern;     ///< of mass and Hessians
+    ScalarBlockMatrix mass;   ///< consistent mass [kg]
+    double weight = 0.0;      ///< |gravity force| over all vertices, for the scale of residuals [N]
     std::vector<std::unique_ptr<Energy>> energies;  ///< the sum that the step minimises, drags apart
-    double time_step = 0.0;           ///< [s]
+    const MembraneEnergy* membrane = nullptr;       ///< among `energies`
+    double time_step = 0.0;                         ///< [s]
     int steps_per_frame = 1;
 
     int vertex_count() const { return static_cast<int>(rest_positions.rows()); }

@@ -22,12 +22,12 @@ class SceneError : public std::runtime_error {
 
 /// Material of a sheet.
 struct Fabric {
-    double density = 0.15;        ///< mass per area of the sheet [kg/m²]
-    double thickness = 1e-3;      ///< multiplies the membrane energy [m]
-    double young_modulus = 1e5;   ///< [Pa]; used with poisson_ratio unless mu and lambda are given
-    double poisson_ratio = 0.3;   ///< in (-1, 1); plane stress: λ = Eν/(1-ν²), μ = E/(2(1+ν))
-    std::optional<double> mu;     ///< shear modulus handed to the energy as it is [Pa]
-    std::optional<double> lambda; ///< second modulus handed to the energy as it is [Pa]
+    double density = 0.15;         ///< mass per area of the sheet [kg/m²]
+    double thickness = 1e-3;       ///< multiplies the membrane energy [m]
+    double young_modulus = 1e5;    ///< [Pa]; used with poisson_ratio unless mu and lambda are given
+    double poisson_ratio = 0.3;    ///< in (-1, 1); plane stress: λ = Eν/(1-ν²), μ = E/(2(1+ν))
+    std::optional<double> mu;      ///< shear modulus handed to the energy as it is [Pa]
+    std::optional<double> lambda;  ///< second modulus handed to the energy as it is [Pa]
 };
 
 /// How a grid's squares are cut in two.
@@ -38,8 +38,8 @@ enum class Diagonals {
 
 /// A flat rectangle in the plane z = 0, centred at the origin, normal +z.
 struct Grid {
-    Vec2 size{1.0, 1.0};                     ///< width along x, height along y [m]
-    std::array<int, 2> resolution{20, 20};   ///< vertices along x and along y, each at least 2
+    Vec2 size{1.0, 1.0};                    ///< width along x, height along y [m]
+    std::array<int, 2> resolution{20, 20};  ///< vertices along x and along y, each at least 2
     Diagonals diagonals = Diagonals::alternating;
 };
 
@@ -59,13 +59,14 @@ struct Transform {
 /// One sheet: a rest shape and, apart from it, a start pose and velocity.
 struct ClothDesc {
     std::string name = "cloth";
-    Grid grid;                      ///< rest shape, unless `mesh` is given
-    std::optional<MeshData> mesh;   ///< rest shape; may be curved
-    std::optional<Points> pose;     ///< start positions before `transform`, shape (n, 3) [m]; default: rest shape
-    Transform transform;            ///< moves rest shape (or pose) to the start
-    Vec3 velocity = Vec3::Zero();   ///< start velocity of the free vertices [m/s]
-    /// Smooth out-of-plane start offset z += amplitude sin(pi (x-x0)/w) sin(pi (y-y0)/h) over the rest shape's
-    /// bounding box, before `transform` [m]; gives a buckling sheet a definite side.
+    Grid grid;                     ///< rest shape, unless `mesh` is given
+    std::optional<MeshData> mesh;  ///< rest shape; may be curved
+    std::optional<Points>
+        pose;             ///< start positions before `transform`, shape (n, 3) [m]; default: rest shape
+    Transform transform;  ///< moves rest shape (or pose) to the start
+    Vec3 velocity = Vec3::Zero();  ///< start velocity of the free vertices [m/s]
+    /// Smooth out-of-plane start offset z += amplitude sin(pi (x-x0)/w) sin(pi (y-y0)/h) over the rest
+    /// shape's bounding box, before `transform` [m]; gives a buckling sheet a definite side.
     double bump = 0.0;
     Fabric fabric;
 };
@@ -76,23 +77,24 @@ enum class Shape { sphere, plane };
 struct ColliderDesc {
     std::string name = "collider";
     Shape shape = Shape::sphere;
-    Vec3 center = Vec3::Zero();      ///< sphere: centre; plane: a point on it [m]
-    Vec3 normal = Vec3::UnitY();     ///< plane: outward normal, any length but zero
-    double radius = 0.25;            ///< sphere: radius as drawn [m]
-    double contact_offset = 0.0;     ///< contact begins this far outside the drawn surface [m]
-    double friction = 0.0;           ///< Coulomb coefficient of the velocity filter; 0 as in the assignment
-    bool enabled = true;             ///< whether it is on at the start
+    Vec3 center = Vec3::Zero();            ///< sphere: centre; plane: a point on it [m]
+    Vec3 normal = Vec3::UnitY();           ///< plane: outward normal, any length but zero
+    double radius = 0.25;                  ///< sphere: radius as drawn [m]
+    double contact_offset = 0.0;           ///< contact begins this far outside the drawn surface [m]
+    std::optional<double> contact_radius;  ///< sphere: contact begins this far from the centre instead [m]
+    double friction = 0.0;  ///< Coulomb coefficient of the velocity filter; 0 as in the assignment
+    bool enabled = true;    ///< whether it is on at the start
     bool drawn = true;
 };
 
 /// Which vertices a pin holds; exactly one selection is given. Coordinates are those of the start pose.
 struct PinDesc {
     int cloth = 0;
-    std::vector<int> vertices;                          ///< indices into the cloth's vertices
-    std::optional<std::array<Vec3, 2>> box;             ///< all vertices in the closed box [m]
-    std::optional<Vec3> nearest;                        ///< the vertex nearest this point [m]
-    std::optional<std::string> greatest;                ///< "x", "y", "z", "-x", …: within tolerance of the extreme
-    double tolerance = 1e-3;                            ///< for `greatest` [m]
+    std::vector<int> vertices;               ///< indices into the cloth's vertices
+    std::optional<std::array<Vec3, 2>> box;  ///< all vertices in the closed box [m]
+    std::optional<Vec3> nearest;             ///< the vertex nearest this point [m]
+    std::optional<std::string> greatest;     ///< "x", "y", "z", "-x", …: within tolerance of the extreme
+    double tolerance = 1e-3;                 ///< for `greatest` [m]
 };
 
 /// A recorded mouse drag. At the first key's time it picks vertices through the camera; until the last key's
@@ -104,9 +106,9 @@ struct DragDesc {
         Vec2 pixel;   ///< x to the right, y down from the top left corner of the viewport [pixel]
     };
     std::vector<Key> path;
-    double radius = 0.1;      ///< vertices this near the picked one are picked too [m]
-    double stiffness = 1e5;   ///< of each spring [N/m]
-    Vec2 viewport{1280, 720}; ///< the window the pixels refer to [pixel]
+    double radius = 0.1;                 ///< vertices this near the picked one are picked too [m]
+    double stiffness = 1e5;              ///< of each spring [N/m]
+    Vec2 viewport{1280, 720};            ///< the window the pixels refer to [pixel]
     Mat4 view = Mat4::Identity();        ///< world → camera, camera looks along -z
     Mat4 projection = Mat4::Identity();  ///< camera → clip, OpenGL convention
 };
@@ -127,21 +129,22 @@ struct EventDesc {
     std::optional<IntegratorKind> integrator;  ///< switch to this one
 };
 
-/// Which Hessian the linearly implicit step uses.
+/// Which Hessian an energy gives.
 enum class HessianKind {
     assignment,  ///< (dF/dq)ᵀ ψ'' (dF/dq), eigenvalues below 1e-6 set to 1e-3
     projected,   ///< exact, projected to positive semi-definite in closed form
+    exact,       ///< second derivative; may be indefinite
 };
 
 struct SimulationDesc {
-    Vec3 gravity{0.0, -9.81, 0.0};   ///< [m/s²]
-    double frame_rate = 60.0;        ///< frames per second of simulated time; frame k stands at k / frame_rate
+    Vec3 gravity{0.0, -9.81, 0.0};  ///< [m/s²]
+    double frame_rate = 60.0;       ///< frames per second of simulated time; frame k stands at k / frame_rate
     /// Largest step [s]; each frame is cut into the fewest equal steps that are no longer. Unless `substeps`.
     std::optional<double> time_step;
-    std::optional<int> substeps;     ///< steps per frame, instead of time_step
+    std::optional<int> substeps;  ///< steps per frame, instead of time_step
     IntegratorKind integrator = IntegratorKind::linearly_implicit_euler;
-    HessianKind hessian = HessianKind::assignment;  ///< of linearly_implicit_euler
-    int newton_iterations = 50;      ///< most Newton iterations of one implicit Euler step
+    HessianKind hessian = HessianKind::assignment;  ///< of linearly_implicit_euler: assignment or projected
+    int newton_iterations = 50;                     ///< most Newton iterations of one implicit Euler step
     double newton_tolerance = 1e-8;  ///< residual |g| / |g at the step's start| at which Newton stops
 
     /// Steps per frame that the fields above amount to.

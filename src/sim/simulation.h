@@ -13,13 +13,13 @@ namespace cloth {
 
 /// What one step did.
 struct StepReport {
-    bool converged = true;          ///< false: the Newton iteration ended above its tolerance
-    int iterations = 0;             ///< linear solves
-    double residual = 0.0;          ///< |g| / |g at the step's start| reached
-    double energy_before = 0.0;     ///< kinetic + potential at the step's start [J]
-    double energy_after = 0.0;      ///< the same at its end [J]
-    double largest_stretch = 1.0;   ///< greatest principal stretch of any triangle at its end
-    int contacts = 0;               ///< vertices met by the velocity filter
+    bool converged = true;                 ///< false: the Newton iteration ended above its tolerance
+    int iterations = 0;                    ///< linear solves
+    double residual = 0.0;                 ///< |g| / |g at the step's start| reached
+    double energy_before = 0.0;            ///< kinetic + potential at the step's start [J]
+    double energy_after = 0.0;             ///< the same at its end [J]
+    double largest_stretch = 1.0;          ///< greatest principal stretch of any triangle at its end
+    int contacts = 0;                      ///< vertices met by the velocity filter
     std::optional<int> non_finite_vertex;  ///< the state is no longer usable
 };
 
@@ -32,8 +32,8 @@ struct FrameReport : StepReport {
 /// Owns model, state and workspace; advances the state.
 class Simulation {
   public:
-    /// Throws SceneError where the scene cannot be simulated. `threads` ≤ 0 means all cores. The states do not
-    /// depend on `threads`.
+    /// Throws SceneError where the scene cannot be simulated. `threads` ≤ 0 means all cores. The states do
+    /// not depend on `threads`.
     explicit Simulation(const Scene& scene, int threads = 0);
     ~Simulation();
     Simulation(Simulation&&) noexcept;

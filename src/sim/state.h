@@ -12,9 +12,9 @@ namespace cloth {
 /// One [[drag]] while its button is down.
 struct DragState {
     bool pressed = false;
-    std::vector<int> vertices;   ///< picked vertices, over all cloths
-    std::vector<Vec3> anchors;   ///< where each was picked [m]
-    Vec3 grabbed = Vec3::Zero(); ///< the point under the pointer when it was pressed [m]
+    std::vector<int> vertices;    ///< picked vertices, over all cloths
+    std::vector<Vec3> anchors;    ///< where each was picked [m]
+    Vec3 grabbed = Vec3::Zero();  ///< the point under the pointer when it was pressed [m]
 };
 
 struct State {

@@ -6,6 +6,7 @@
 // stands at q.segment<3>(3 i).
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace cloth {
 

@@ -1,0 +1,32 @@
+#pragma once
+// One term of the sum that a step minimises. A new energy is a class of its own and a line in build_model().
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "sim/block_matrix.h"
+#include "sim/scene.h"
+#include "sim/types.h"
+
+namespace cloth {
+
+class Energy {
+  public:
+    virtual ~Energy() = default;
+    virtual std::string_view name() const = 0;
+
+    /// Energy at positions x, shape (3n) [J].
+    virtual double value(const VecX& x) const = 0;
+    /// Adds the gradient [N] to g, shape (3n).
+    virtual void add_gradient(const VecX& x, VecX& g) const = 0;
+    /// Adds the Hessian [N/m] of the kind asked for.
+    virtual void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const = 0;
+
+    /// Lists the pairs of vertices that a Hessian block couples; diagonal blocks need no mention.
+    virtual void append_pairs(std::vector<std::array<int, 2>>& pairs) const = 0;
+    /// Looks up where its blocks lie; called once, before the first add_hessian.
+    virtual void bind(const BlockPattern& pattern) = 0;
+};
+
+}  // namespace cloth

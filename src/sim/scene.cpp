@@ -1,0 +1,183 @@
+#include "sim/scene.h"
+
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+namespace cloth {
+namespace {
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+std::string item(const char* table, std::size_t index, const char* key = "") {
+    return std::string(table) + "[" + std::to_string(index) + "]" + (*key ? std::string(".") + key : "");
+}
+
+void require(bool good, const std::string& key, const std::string& message) {
+    if (!good) throw SceneError(key, message);
+}
+
+void require_finite(const Vec3& v, const std::string& key) {
+    require(v.allFinite(), key, "must be finite numbers");
+}
+
+void require_positive(double value, const std::string& key, const char* unit) {
+    require(std::isfinite(value) && value > 0.0, key,
+            "is " + number(value) + "; must be greater than 0" + (*unit ? std::string(" ") + unit : ""));
+}
+
+void require_not_negative(double value, const std::string& key, const char* unit) {
+    require(std::isfinite(value) && value >= 0.0, key,
+            "is " + number(value) + "; must be at least 0" + (*unit ? std::string(" ") + unit : ""));
+}
+
+void validate_simulation(const SimulationDesc& s) {
+    require_finite(s.gravity, "simulation.gravity");
+    require_positive(s.frame_rate, "simulation.frame_rate", "1/s");
+    require(s.frame_rate <= 1e6, "simulation.frame_rate",
+            "is " + number(s.frame_rate) + "; must be at most 1e6 1/s");
+    require(!(s.time_step && s.substeps), "simulation.time_step",
+            "stands beside simulation.substeps; give one of the two");
+    if (s.time_step) {
+        require_positive(*s.time_step, "simulation.time_step", "s");
+        require(1.0 / (s.frame_rate * *s.time_step) <= 1e6, "simulation.time_step",
+                "is " + number(*s.time_step) + " s, more than a million steps per frame");
+    }
+    if (s.substeps) {
+        require(*s.substeps >= 1 && *s.substeps <= 1000000, "simulation.substeps",
+                "is " + std::to_string(*s.substeps) + "; must be 1 … 1000000");
+    }
+    require(s.newton_iterations >= 1, "simulation.newton_iterations",
+            "is " + std::to_string(s.newton_iterations) + "; must be at least 1");
+    require(s.newton_tolerance > 0.0 && s.newton_tolerance < 1.0, "simulation.newton_tolerance",
+            "is " + number(s.newton_tolerance) + "; must lie between 0 and 1");
+}
+
+void validate_fabric(const Fabric& f, const std::string& key) {
+    require_positive(f.density, key + ".density", "kg/m²");
+    require_positive(f.thickness, key + ".thickness", "m");
+    require(f.mu.has_value() == f.lambda.has_value(), key + (f.mu ? ".mu" : ".lambda"),
+            "mu and lambda are given together or not at all");
+    if (f.mu) {
+        require_positive(*f.mu, key + ".mu", "Pa");
+        require(std::isfinite(*f.lambda) && *f.mu + *f.lambda > 0.0, key + ".lambda",
+                "is " + number(*f.lambda) + " Pa; mu + lambda must be greater than 0");
+    }
+    require_positive(f.young_modulus, key + ".young_modulus", "Pa");
+    require(f.poisson_ratio > -1.0 && f.poisson_ratio < 1.0, key + ".poisson_ratio",
+            "is " + number(f.poisson_ratio) + "; must lie between -1 and 1 (plane stress)");
+}
+
+void validate_cloth(const ClothDesc& c, std::size_t i) {
+    if (!c.mesh) {
+        for (int a = 0; a < 2; ++a) require_positive(c.grid.size(a), item("cloth", i, "size"), "m");
+        for (int r : c.grid.resolution) {
+            require(r >= 2 && r <= 4096, item("cloth", i, "resolution"),
+                    "is " + std::to_string(r) + "; must be 2 … 4096 vertices");
+        }
+    }
+    const Eigen::Index vertices =
+        c.mesh ? c.mesh->positions.rows() : Eigen::Index{c.grid.resolution[0]} * c.grid.resolution[1];
+    if (c.pose) {
+        require(c.pose->rows() == vertices, item("cloth", i, "pose"),
+                "has " + std::to_string(c.pose->rows()) + " vertices; the rest shape has " +
+                    std::to_string(vertices));
+        require(c.pose->allFinite(), item("cloth", i, "pose"), "has coordinates that are not finite");
+    }
+    require_positive(c.transform.scale, item("cloth", i, "scale"), "");
+    require_finite(c.transform.rotate, item("cloth", i, "rotate"));
+    require_finite(c.transform.translate, item("cloth", i, "translate"));
+    require_finite(c.velocity, item("cloth", i, "velocity"));
+    require(std::isfinite(c.bump), item("cloth", i, "bump"), "must be a finite number");
+    validate_fabric(c.fabric, item("cloth", i, "fabric"));
+}
+
+void validate_collider(const ColliderDesc& c, std::size_t i) {
+    require_finite(c.center, item("collider", i, "center"));
+    require_finite(c.normal, item("collider", i, "normal"));
+    require(c.shape != Shape::plane || c.normal.norm() > 0.0, item("collider", i, "normal"),
+            "is zero; must point out of the plane");
+    require_positive(c.radius, item("collider", i, "radius"), "m");
+    require_not_negative(c.contact_offset, item("collider", i, "contact_offset"), "m");
+    if (c.contact_radius) {
+        require_positive(*c.contact_radius, item("collider", i, "contact_radius"), "m");
+        require(c.shape == Shape::sphere, item("collider", i, "contact_radius"),
+                "belongs to a sphere; a plane has contact_offset");
+        require(c.contact_offset == 0.0, item("collider", i, "contact_radius"),
+                "stands beside contact_offset; give one of the two");
+    }
+    require_not_negative(c.friction, item("collider", i, "friction"), "");
+}
+
+void validate_pin(const PinDesc& p, std::size_t i, std::size_t cloths) {
+    require(p.cloth >= 0 && static_cast<std::size_t>(p.cloth) < cloths, item("pin", i, "cloth"),
+            "there is no such cloth");
+    const int selections =
+        !p.vertices.empty() + p.box.has_value() + p.nearest.has_value() + p.greatest.has_value();
+    require(selections == 1, item("pin", i), "give exactly one of vertices, box, nearest, greatest");
+    if (p.box) {
+        require_finite((*p.box)[0], item("pin", i, "box"));
+        require_finite((*p.box)[1], item("pin", i, "box"));
+        require(((*p.box)[0].array() <= (*p.box)[1].array()).all(), item("pin", i, "box"),
+                "has a lower corner above its upper one");
+    }
+    if (p.nearest) require_finite(*p.nearest, item("pin", i, "nearest"));
+    if (p.greatest) {
+        static const std::set<std::string> directions{"x", "y", "z", "-x", "-y", "-z"};
+        require(directions.count(*p.greatest) == 1, item("pin", i, "greatest"),
+                "is \"" + *p.greatest + "\"; must be one of x, y, z, -x, -y, -z");
+    }
+    require_not_negative(p.tolerance, item("pin", i, "tolerance"), "m");
+}
+
+void validate_drag(const DragDesc& d, std::size_t i) {
+    require(d.path.size() >= 2, item("drag", i, "path"),
+            "needs at least two keys [time, x, y]: press and release");
+    for (std::size_t k = 0; k < d.path.size(); ++k) {
+        require(std::isfinite(d.path[k].time) && d.path[k].pixel.allFinite(), item("drag", i, "path"),
+                "must be finite numbers");
+        require(k == 0 || d.path[k].time > d.path[k - 1].time, item("drag", i, "path"),
+                "has times that do not increase");
+    }
+    require_not_negative(d.path.front().time, item("drag", i, "path"), "s");
+    require_not_negative(d.radius, item("drag", i, "radius"), "m");
+    require_positive(d.stiffness, item("drag", i, "stiffness"), "N/m");
+    for (int a = 0; a < 2; ++a) require_positive(d.viewport(a), item("drag", i, "viewport"), "pixel");
+}
+
+void validate_event(const EventDesc& e, std::size_t i, std::size_t colliders) {
+    require_not_negative(e.time, item("event", i, "time"), "s");
+    require(e.collider.has_value() + e.toggle_integrator + e.integrator.has_value() == 1, item("event", i),
+            "give either a collider or an integrator");
+    if (e.collider) {
+        require(*e.collider >= 0 && static_cast<std::size_t>(*e.collider) < colliders,
+                item("event", i, "collider"), "there is no such collider");
+    }
+}
+
+}  // namespace
+
+int SimulationDesc::steps_per_frame() const {
+    if (substeps) return *substeps;
+    if (!time_step) return 1;
+    // The slack keeps 1 / (60 · 0.0166666667) at one step.
+    return std::max(1, static_cast<int>(std::ceil(1.0 / (frame_rate * *time_step) * (1.0 - 1e-6))));
+}
+
+void validate(const Scene& scene) {
+    validate_simulation(scene.simulation);
+    require(!scene.cloths.empty(), "cloth", "the scene has no [[cloth]]");
+    for (std::size_t i = 0; i < scene.cloths.size(); ++i) validate_cloth(scene.cloths[i], i);
+    for (std::size_t i = 0; i < scene.colliders.size(); ++i) validate_collider(scene.colliders[i], i);
+    for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene.pins[i], i, scene.cloths.size());
+    for (std::size_t i = 0; i < scene.drags.size(); ++i) validate_drag(scene.drags[i], i);
+    for (std::size_t i = 0; i < scene.events.size(); ++i) {
+        validate_event(scene.events[i], i, scene.colliders.size());
+    }
+}
+
+}  // namespace cloth

@@ -1,0 +1,78 @@
+#include "sim/simulation.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+
+#include "sim/integrator.h"
+
+namespace cloth {
+
+struct Simulation::Impl {
+    Impl(const Scene& scene, int threads)
+        // More threads than cores would only make oneTBB print a warning.
+        : arena(threads > 0 ? std::min(threads, tbb::info::default_concurrency())
+                            : tbb::task_arena::automatic),
+          model(build_model(scene)),
+          state(start_state(model)),
+          workspace(model) {}
+
+    tbb::task_arena arena;
+    Model model;
+    State state;
+    Workspace workspace;
+};
+
+Simulation::Simulation(const Scene& scene, int threads) : impl_(std::make_unique<Impl>(scene, threads)) {}
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+
+const Model& Simulation::model() const {
+    return impl_->model;
+}
+const State& Simulation::state() const {
+    return impl_->state;
+}
+
+void Simulation::restore(const State& state) {
+    const Model& model = impl_->model;
+    if (state.positions.size() != 3 * model.vertex_count() ||
+        state.velocities.size() != state.positions.size() ||
+        state.collider_on.size() != model.scene.colliders.size() ||
+        state.drags.size() != model.scene.drags.size()) {
+        throw std::invalid_argument("the state does not belong to this scene: it has " +
+                                    std::to_string(state.positions.size() / 3) + " vertices, the scene " +
+                                    std::to_string(model.vertex_count()));
+    }
+    impl_->state = state;
+}
+
+StepReport Simulation::step() {
+    return impl_->arena.execute([&] { return advance(impl_->model, impl_->state, impl_->workspace); });
+}
+
+FrameReport Simulation::advance_frame() {
+    FrameReport frame;
+    for (int s = 0; s < impl_->model.steps_per_frame; ++s) {
+        const StepReport step_report = step();
+        if (s == 0) frame.energy_before = step_report.energy_before;
+        frame.energy_after = step_report.energy_after;
+        frame.converged = frame.converged && step_report.converged;
+        frame.iterations += step_report.iterations;
+        frame.residual = std::max(frame.residual, step_report.residual);
+        frame.largest_stretch = s == 0 ? step_report.largest_stretch
+                                       : std::max(frame.largest_stretch, step_report.largest_stretch);
+        frame.contacts = std::max(frame.contacts, step_report.contacts);
+        ++frame.steps;
+        if (step_report.non_finite_vertex) {
+            frame.non_finite_vertex = step_report.non_finite_vertex;
+            return frame;
+        }
+    }
+    frame.frame = ++impl_->state.frame;
+    return frame;
+}
+
+}  // namespace cloth
