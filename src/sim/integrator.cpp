@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 
+#include "sim/contact.h"
 #include "sim/drag.h"
 #include "sim/membrane.h"
 #include "sim/simulation.h"
@@ -11,14 +14,15 @@
 namespace cloth {
 namespace {
 
-/// The sum of the model's energies and the step's drags.
+/// The sum of the model's energies and of those that hold for one step only.
 class Potential {
   public:
-    Potential(const Model& model, DragEnergy& drags) {
+    Potential(const Model& model, std::initializer_list<Energy*> of_this_step) {
         for (const auto& energy : model.energies) terms_.push_back(energy.get());
-        if (!drags.empty()) {
-            drags.bind(model.pattern);
-            terms_.push_back(&drags);
+        for (Energy* energy : of_this_step) {
+            if (!energy) continue;
+            energy->bind(model.pattern);
+            terms_.push_back(energy);
         }
     }
     double value(const VecX& x) const {
@@ -181,7 +185,8 @@ Workspace::Workspace(const Model& model) : solver(model.pattern, model.pinned) {
 double total_energy(const Model& model, const State& state) {
     VecX scratch;
     DragEnergy drags(model.scene.drags, state.drags, state.time);
-    return kinetic_energy(model, state.velocities, scratch) + Potential(model, drags).value(state.positions);
+    return kinetic_energy(model, state.velocities, scratch) +
+           Potential(model, {&drags}).value(state.positions);
 }
 
 StepReport advance(const Model& model, State& state, Workspace& w) {
@@ -189,20 +194,27 @@ StepReport advance(const Model& model, State& state, Workspace& w) {
     update_drags(model.scene.drags, state.time, state.positions, model.triangles, state.drags);
     // The step ends at time + dt, so that is where its implicit springs pull to.
     DragEnergy drags(model.scene.drags, state.drags, state.time + model.time_step);
-    const Potential potential(model, drags);
+    const SimulationDesc& options = model.scene.simulation;
+    std::vector<FilterContact> filtered;
+    std::optional<ColliderContactEnergy> penalty;
+    if (options.contact == ContactKind::velocity_filter) {
+        filtered = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
+    } else {
+        penalty.emplace(model.scene.colliders, state.collider_on, state.positions, options.contact_stiffness,
+                        model.time_step, options.sliding_speed);
+    }
+    const Potential potential(model, {&drags, penalty ? &*penalty : nullptr});
 
     StepReport report;
+    report.contacts = penalty ? penalty->contact_count() : static_cast<int>(filtered.size());
     report.energy_before =
         kinetic_energy(model, state.velocities, w.momentum) + potential.value(state.positions);
-
-    const auto contacts = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
-    report.contacts = static_cast<int>(contacts.size());
     if (state.integrator == IntegratorKind::implicit_euler) {
         solve_implicit(model, potential, state, w, report);
     } else {
         solve_linearly_implicit(model, potential, state, w, report);
     }
-    filter_velocities(contacts, w.velocity);
+    filter_velocities(filtered, w.velocity);
     zero_pinned(model, w.velocity);
 
     state.velocities = w.velocity;

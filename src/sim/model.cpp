@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "sim/bending.h"
 #include "sim/gravity.h"
 #include "sim/membrane.h"
 #include "sim/mesh.h"
@@ -37,6 +38,25 @@ std::unique_ptr<MembraneEnergy> make_membrane(const Model& model) {
         }
     }
     return std::make_unique<MembraneEnergy>(std::move(stencils), std::move(rest));
+}
+
+/// Null where no cloth resists bending.
+std::unique_ptr<BendingEnergy> make_bending(const Model& model) {
+    std::vector<BendingPatch> patches;
+    std::vector<double> rigidity;
+    for (std::size_t c = 0; c < model.cloths.size(); ++c) {
+        const double D = model.scene.cloths[c].fabric.bending;
+        if (D == 0.0) continue;
+        const ClothRange& range = model.cloths[c];
+        for (const BendingPatch& patch :
+             make_bending_patches(model.rest_positions,
+                                  model.triangles.middleRows(range.first_triangle, range.triangle_count))) {
+            patches.push_back(patch);
+            rigidity.push_back(D);
+        }
+    }
+    if (patches.empty()) return nullptr;
+    return std::make_unique<BendingEnergy>(patches, rigidity);
 }
 
 /// Consistent mass over the pattern, and the row sums (shape n) that gravity acts on.
@@ -146,6 +166,7 @@ Model build_model(const Scene& scene) {
     auto membrane = make_membrane(model);
     model.membrane = membrane.get();
     model.energies.push_back(std::move(membrane));
+    if (auto bending = make_bending(model)) model.energies.push_back(std::move(bending));
 
     std::vector<std::array<int, 2>> pairs;
     for (const auto& energy : model.energies) energy->append_pairs(pairs);

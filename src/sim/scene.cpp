@@ -51,6 +51,8 @@ void validate_simulation(const SimulationDesc& s) {
         require(*s.substeps >= 1 && *s.substeps <= 1000000, "simulation.substeps",
                 "is " + std::to_string(*s.substeps) + "; must be 1 … 1000000");
     }
+    require_positive(s.contact_stiffness, "simulation.contact_stiffness", "N/m");
+    require_positive(s.sliding_speed, "simulation.sliding_speed", "m/s");
     require(s.newton_iterations >= 1, "simulation.newton_iterations",
             "is " + std::to_string(s.newton_iterations) + "; must be at least 1");
     require(s.newton_tolerance > 0.0 && s.newton_tolerance < 1.0, "simulation.newton_tolerance",
@@ -67,6 +69,7 @@ void validate_fabric(const Fabric& f, const std::string& key) {
         require(std::isfinite(*f.lambda) && *f.mu + *f.lambda > 0.0, key + ".lambda",
                 "is " + number(*f.lambda) + " Pa; mu + lambda must be greater than 0");
     }
+    require_not_negative(f.bending, key + ".bending", "N m");
     require_positive(f.young_modulus, key + ".young_modulus", "Pa");
     require(f.poisson_ratio > -1.0 && f.poisson_ratio < 1.0, key + ".poisson_ratio",
             "is " + number(f.poisson_ratio) + "; must lie between -1 and 1 (plane stress)");

@@ -28,6 +28,7 @@ struct Fabric {
     double poisson_ratio = 0.3;    ///< in (-1, 1); plane stress: λ = Eν/(1-ν²), μ = E/(2(1+ν))
     std::optional<double> mu;      ///< shear modulus handed to the energy as it is [Pa]
     std::optional<double> lambda;  ///< second modulus handed to the energy as it is [Pa]
+    double bending = 0.0;          ///< bending rigidity D [N m]; 0: none, as in the assignment
 };
 
 /// How a grid's squares are cut in two.
@@ -136,6 +137,12 @@ enum class HessianKind {
     exact,       ///< second derivative; may be indefinite
 };
 
+/// How cloth meets colliders.
+enum class ContactKind {
+    velocity_filter,  ///< the assignment's: filters velocities, leaves positions alone
+    penalty,          ///< stiff layer of contact_offset around each collider, solved with the step
+};
+
 struct SimulationDesc {
     Vec3 gravity{0.0, -9.81, 0.0};  ///< [m/s²]
     double frame_rate = 60.0;       ///< frames per second of simulated time; frame k stands at k / frame_rate
@@ -144,8 +151,11 @@ struct SimulationDesc {
     std::optional<int> substeps;  ///< steps per frame, instead of time_step
     IntegratorKind integrator = IntegratorKind::linearly_implicit_euler;
     HessianKind hessian = HessianKind::assignment;  ///< of linearly_implicit_euler: assignment or projected
-    int newton_iterations = 50;                     ///< most Newton iterations of one implicit Euler step
-    double newton_tolerance = 1e-8;  ///< residual |g| / |g at the step's start| at which Newton stops
+    ContactKind contact = ContactKind::velocity_filter;
+    double contact_stiffness = 100.0;  ///< of `penalty`, per vertex [N/m]
+    double sliding_speed = 1e-3;       ///< of `penalty`: friction is in full force above this speed [m/s]
+    int newton_iterations = 50;        ///< most Newton iterations of one implicit Euler step
+    double newton_tolerance = 1e-8;    ///< residual |g| / |g at the step's start| at which Newton stops
 
     /// Steps per frame that the fields above amount to.
     int steps_per_frame() const;
