@@ -168,8 +168,7 @@ Overrides overrides(const Arguments& args) {
     Overrides list = args.set;
     if (!args.size.empty()) {
         const auto [width, height] = picture_size(args.size);
-        list.push_back(fmt::format("output.width={}", width));
-        list.push_back(fmt::format("output.height={}", height));
+        list.push_back(fmt::format("output.size=[{}, {}]", width, height));
     }
     return list;
 }

@@ -2,13 +2,17 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <csignal>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "pipeline/error.h"
 #include "pipeline/file_io.h"
+#include "pipeline/run.h"
 #include "pipeline/state_store.h"
 #include "temporary_folder.h"
 
@@ -88,6 +92,22 @@ TEST_CASE("a state of NaNs comes back too: it shows what went wrong", "[state_st
     write_state(state, folder / "s.bin");
     CHECK(same_bits(read_state(folder / "s.bin").positions, state.positions));
     CHECK(same_bits(read_state(folder / "s.bin").velocities, state.velocities));
+}
+
+TEST_CASE("a state that cannot be used is named by its first bad vertex", "[state_store]") {
+    CHECK(state_fault(example_state()).empty());
+    for (const double bad :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        State state = example_state();
+        state.positions[17] = bad;
+        CHECK(state_fault(state) == "vertex 5 is no longer finite");
+        state = example_state();
+        state.velocities[3] = -bad;
+        CHECK(state_fault(state) == "vertex 1 is no longer finite");
+    }
+    State far = example_state();
+    far.positions[29] = -1.1e9;
+    CHECK(state_fault(far) == "vertex 9 is more than 1e+09 m away");
 }
 
 TEST_CASE("every damaged byte and every cut of a state file is noticed, and the file named",

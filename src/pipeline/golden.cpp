@@ -14,6 +14,7 @@
 #include "pipeline/error.h"
 #include "pipeline/file_io.h"
 #include "pipeline/frame_builder.h"
+#include "pipeline/run.h"
 #include "pipeline/state_store.h"
 #include "render/rasterizer.h"
 #include "sim/simulation.h"
@@ -135,12 +136,10 @@ std::vector<State> simulate(Simulation& simulation, const std::string& scene,
     std::vector<State> states;
     for (std::int64_t frame = 0; frame <= frames.back(); ++frame) {
         if (frame > 0) simulation.advance_frame();
-        if (const int vertex = first_non_finite_vertex(simulation.state()); vertex >= 0)
-            throw Error(
-                ExitCode::not_converged,
-                fmt::format("{}: the simulation diverged: in frame {} vertex {} is no longer finite; the "
-                            "last good frame is {}",
-                            scene, frame, vertex, frame - 1));
+        if (const std::string fault = state_fault(simulation.state()); !fault.empty())
+            throw Error(ExitCode::not_converged,
+                        fmt::format("{}: the simulation diverged: in frame {} {}; the last good frame is {}",
+                                    scene, frame, fault, frame - 1));
         if (std::binary_search(frames.begin(), frames.end(), frame)) {
             states.push_back(simulation.state());
             states.back().frame = frame;

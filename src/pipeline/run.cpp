@@ -5,6 +5,7 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -345,6 +346,16 @@ VideoOptions video_options(const SceneFile& file, const RunOptions& options) {
 
 }  // namespace
 
+std::string state_fault(const State& state) {
+    constexpr double furthest = 1e9;  // [m]
+    if (const int vertex = first_non_finite_vertex(state); vertex >= 0)
+        return fmt::format("vertex {} is no longer finite", vertex);
+    for (Eigen::Index i = 0; i < state.positions.size(); ++i)
+        if (std::abs(state.positions[i]) > furthest)
+            return fmt::format("vertex {} is more than {:g} m away", i / 3, furthest);
+    return {};
+}
+
 double playback_rate(const SceneFile& file) {
     return file.output.playback_rate.value_or(file.scene.simulation.frame_rate);
 }
@@ -387,20 +398,17 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
                 summary.times.simulate += watch.seconds();
             }
             record.report.frame = frame;
-            std::optional<int> lost = record.report.non_finite_vertex;
-            if (const int vertex = first_non_finite_vertex(simulation.state()); !lost && vertex >= 0)
-                lost = vertex;
-            if (lost) {
+            const std::string fault = state_fault(simulation.state());
+            if (!fault.empty()) {
                 const std::string kept =
                     frame == 0 ? "there is no good frame"
                                : fmt::format("the last good frame is {}; frames up to it are kept in {}",
                                              frame - 1, out.string());
                 stages.fail_later(std::make_exception_ptr(
                     Error(ExitCode::not_converged,
-                          fmt::format(
-                              "{}: the simulation diverged: in frame {} vertex {} is no longer finite; {}; a "
-                              "smaller simulation.time_step or softer cloth may help",
-                              file.name, frame, *lost, kept))));
+                          fmt::format("{}: the simulation diverged: in frame {} {}; {}; a "
+                                      "smaller simulation.time_step or softer cloth may help",
+                                      file.name, frame, fault, kept))));
                 return;
             }
             const Stopwatch watch;

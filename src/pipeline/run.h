@@ -13,6 +13,7 @@
 #include "pipeline/mesh_file.h"
 #include "pipeline/scene_file.h"
 #include "sim/simulation.h"
+#include "sim/state.h"
 
 namespace cloth::pipeline {
 
@@ -59,12 +60,16 @@ struct RunSummary {
     std::filesystem::path movie;    ///< empty where none was made
 };
 
+/// Why `state` cannot be used: "vertex 12 is no longer finite", or "vertex 12 is more than 1e+09 m away"
+/// (what flies apart passes the range of pictures long before that of numbers). Empty for a good state.
+std::string state_fault(const State& state);
+
 /// Pictures per second of the movie.
 double playback_rate(const SceneFile& file);
 
 /// Runs `file` for its output.frames frames into the folder `out`, in place of the run that it may hold, and
 /// leaves a report there. What can be refused is refused before anything there is touched: SceneError,
-/// Error(encoder) without ffmpeg. Throws Error(not_converged) at the first state that is not finite, naming
+/// Error(encoder) without ffmpeg. Throws Error(not_converged) at the first state with a fault, naming
 /// frame, vertex and last good frame, once the good frames are drawn; Error(encoder) where only the movie
 /// failed, once all is drawn.
 RunSummary run_scene(const SceneFile& file, const std::filesystem::path& out, const RunOptions& options);

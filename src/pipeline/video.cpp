@@ -12,7 +12,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -115,6 +117,36 @@ std::string last_words(const std::string& said) {
     for (std::size_t i = lines.size() > 3 ? lines.size() - 3 : 0; i < lines.size(); ++i)
         words += (words.empty() ? "" : " | ") + lines[i];
     return words.empty() ? "it said nothing" : words;
+}
+
+/// Whether the file is boxes from its first to its last byte, an index (moov) and pictures (mdat) among them.
+/// ffmpeg 5 may end with status 0 although the disk was full.
+bool whole_movie(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::error_code failure;
+    const std::uintmax_t length = fs::file_size(path, failure);
+    if (!file || failure) return false;
+    bool index = false, pictures = false;
+    std::uintmax_t at = 0;
+    while (at < length) {
+        unsigned char head[16] = {};
+        file.seekg(static_cast<std::streamoff>(at));
+        file.read(reinterpret_cast<char*>(head), sizeof head);
+        if (file.gcount() < 8) return false;
+        file.clear();
+        const auto big_endian = [&](int first, int count) {
+            std::uintmax_t value = 0;
+            for (int i = first; i < first + count; ++i) value = value << 8 | head[i];
+            return value;
+        };
+        const std::uintmax_t size = big_endian(0, 4) == 1 ? big_endian(8, 8) : big_endian(0, 4);
+        if (size < 8 || size > length - at) return false;
+        const std::string_view kind(reinterpret_cast<const char*>(head) + 4, 4);
+        index = index || kind == "moov";
+        pictures = pictures || kind == "mdat";
+        at += size;
+    }
+    return index && pictures;
 }
 
 }  // namespace
@@ -228,7 +260,7 @@ void VideoWriter::finish() {
     const int status = wait_for(m.child);
     m.child = -1;
     const std::string said = contents(m.words);
-    if (status != 0) {
+    if (status != 0 || !whole_movie(m.part)) {
         std::error_code ignored;
         fs::remove(m.part, ignored);
         throw Error(ExitCode::encoder, fmt::format("ffmpeg failed on {} (exit status {}): {}",
