@@ -57,9 +57,24 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
 SceneFile parse_scene(const std::string& text, const std::string& label, const std::filesystem::path& folder,
                       const Overrides& overrides = {});
 
+/// Every key of a scene file with its meaning, unit and default, table by table.
+std::string key_reference();
+
 /// Where scenes are looked for: $CLOTH_ASSETS/scenes, then assets/scenes of the source tree.
 std::vector<std::filesystem::path> scene_folders();
 /// Name and description of every scene there, sorted by name.
 std::vector<std::array<std::string, 2>> list_scenes();
+
+/// One key that a scene file may hold.
+struct KeyDoc {
+    std::string table;    ///< as written in a scene file: "[simulation]", "[[cloth]]", "cloth.fabric"; "" at the top
+    std::string name, unit;
+    std::string default_value;  ///< TOML; empty where the key is absent unless given
+    std::string meaning;
+};
+/// Every key, table by table, in the order of the resolved scene.
+std::vector<KeyDoc> scene_keys();
+/// The same as text: a line per key under a heading per table.
+std::string key_reference();
 
 }  // namespace cloth::pipeline

@@ -1,0 +1,1244 @@
+#include "pipeline/scene_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "pipeline/error.h"
+#include "pipeline/mesh_file.h"
+#include "sim/mesh.h"
+#include "sim/model.h"
+#include "sim/portable_math.h"
+
+namespace cloth::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---------------------------------------------------------------- values
+
+/// A value that does not fit its key; `what` says what would be right.
+struct BadValue {
+    std::string what;
+};
+
+std::string type_name(const toml::node& node) {
+    switch (node.type()) {
+        case toml::node_type::table: return "a table";
+        case toml::node_type::array: return "an array";
+        case toml::node_type::string: return "a string";
+        case toml::node_type::integer: return "a whole number";
+        case toml::node_type::floating_point: return "a number";
+        case toml::node_type::boolean: return "a boolean";
+        default: return "a date or time";
+    }
+}
+
+[[noreturn]] void wrong_type(const toml::node& node, const std::string& wanted) {
+    throw BadValue{"is " + type_name(node) + "; must be " + wanted};
+}
+
+std::string digits(double value) {
+    std::string text = fmt::format("{:.17g}", value);
+    // TOML tells a float from an integer by its point or exponent.
+    if (text.find_first_of(".en") == text.npos) text += ".0";
+    return text;
+}
+
+/// How each type of field is read from a TOML node and written back.
+template <class T>
+struct Value;
+
+template <>
+struct Value<double> {
+    static constexpr const char* wanted = "a number";
+    static double read(const toml::node& node) {
+        const auto value = node.value<double>();
+        if (!value || node.is_boolean() || node.is_string()) wrong_type(node, wanted);
+        if (!std::isfinite(*value)) throw BadValue{"is not finite; must be a finite number"};
+        return *value;
+    }
+    static std::string write(double value) { return digits(value); }
+};
+
+template <>
+struct Value<float> {
+    static float read(const toml::node& node) { return static_cast<float>(Value<double>::read(node)); }
+    static std::string write(float value) { return digits(static_cast<double>(value)); }
+};
+
+template <>
+struct Value<int> {
+    static int read(const toml::node& node) {
+        if (!node.is_integer()) wrong_type(node, "a whole number");
+        const std::int64_t value = *node.value<std::int64_t>();
+        if (value < -2147483648LL || value > 2147483647LL) {
+            throw BadValue{fmt::format("is {}; must be between -2147483648 and 2147483647", value)};
+        }
+        return static_cast<int>(value);
+    }
+    static std::string write(int value) { return std::to_string(value); }
+};
+
+template <>
+struct Value<bool> {
+    static bool read(const toml::node& node) {
+        if (!node.is_boolean()) wrong_type(node, "true or false");
+        return *node.value<bool>();
+    }
+    static std::string write(bool value) { return value ? "true" : "false"; }
+};
+
+template <>
+struct Value<std::string> {
+    static std::string read(const toml::node& node) {
+        if (!node.is_string()) wrong_type(node, "a string");
+        return *node.value<std::string>();
+    }
+    static std::string write(const std::string& value) {
+        std::string text = "\"";
+        for (char c : value) {
+            if (c == '"' || c == '\\') text += '\\';
+            if (static_cast<unsigned char>(c) < 0x20) {
+                text += fmt::format("\\u{:04x}", static_cast<int>(c));
+            } else {
+                text += c;
+            }
+        }
+        return text + "\"";
+    }
+};
+
+const toml::array& array_of(const toml::node& node, std::size_t size, const std::string& wanted) {
+    const toml::array* array = node.as_array();
+    if (!array) wrong_type(node, wanted);
+    if (size && array->size() != size) {
+        throw BadValue{fmt::format("has {} entries; must be {}", array->size(), wanted)};
+    }
+    return *array;
+}
+
+template <int N>
+struct Value<Eigen::Matrix<double, N, 1>> {
+    static Eigen::Matrix<double, N, 1> read(const toml::node& node) {
+        const toml::array& array = array_of(node, N, N == 2 ? "[x, y]" : "[x, y, z]");
+        Eigen::Matrix<double, N, 1> value;
+        for (int i = 0; i < N; ++i) value(i) = Value<double>::read(array[i]);
+        return value;
+    }
+    static std::string write(const Eigen::Matrix<double, N, 1>& value) {
+        std::string text;
+        for (int i = 0; i < N; ++i) text += (i ? ", " : "[") + digits(value(i));
+        return text + "]";
+    }
+};
+
+template <class T>
+struct Value<std::vector<T>> {
+    static std::vector<T> read(const toml::node& node) {
+        std::vector<T> values;
+        for (const toml::node& entry : array_of(node, 0, "an array")) values.push_back(Value<T>::read(entry));
+        return values;
+    }
+    static std::string write(const std::vector<T>& values) {
+        std::string text;
+        for (const T& value : values) text += (text.empty() ? "" : ", ") + Value<T>::write(value);
+        return "[" + text + "]";
+    }
+};
+
+template <class T>
+struct Value<std::array<T, 2>> {
+    static std::array<T, 2> read(const toml::node& node) {
+        const toml::array& array = array_of(node, 2, "two entries");
+        return {Value<T>::read(array[0]), Value<T>::read(array[1])};
+    }
+    static std::string write(const std::array<T, 2>& v) {
+        return "[" + Value<T>::write(v[0]) + ", " + Value<T>::write(v[1]) + "]";
+    }
+};
+
+template <>
+struct Value<DragDesc::Key> {
+    static DragDesc::Key read(const toml::node& node) {
+        const toml::array& array = array_of(node, 3, "[time, x, y]");
+        return {Value<double>::read(array[0]), {Value<double>::read(array[1]), Value<double>::read(array[2])}};
+    }
+    static std::string write(const DragDesc::Key& key) {
+        return Value<Vec3>::write(Vec3(key.time, key.pixel.x(), key.pixel.y()));
+    }
+};
+
+/// One whole number for both directions, or [x, y].
+struct Resolution {
+    std::array<int, 2> count;
+};
+template <>
+struct Value<Resolution> {
+    static Resolution read(const toml::node& node) {
+        if (node.is_integer()) return {{Value<int>::read(node), Value<int>::read(node)}};
+        if (!node.is_array()) wrong_type(node, "a whole number or [along x, along y]");
+        return {Value<std::array<int, 2>>::read(node)};
+    }
+    static std::string write(const Resolution& r) { return Value<std::array<int, 2>>::write(r.count); }
+};
+
+/// "640x360" or [640, 360].
+struct PixelSize {
+    int width, height;
+};
+template <>
+struct Value<PixelSize> {
+    static PixelSize read(const toml::node& node) {
+        PixelSize size{0, 0};
+        if (node.is_array()) {
+            const auto pair = Value<std::array<int, 2>>::read(node);
+            size = {pair[0], pair[1]};
+        } else {
+            const std::string text = node.is_string() ? *node.value<std::string>() : "";
+            char rest = 0;
+            if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2) {
+                wrong_type(node, "\"WIDTHxHEIGHT\" or [width, height]");
+            }
+        }
+        for (int side : {size.width, size.height}) {
+            if (side < 16 || side > 8192) throw BadValue{fmt::format("has a side of {} pixel; must be 16 … 8192", side)};
+        }
+        return size;
+    }
+    static std::string write(const PixelSize& s) { return fmt::format("[{}, {}]", s.width, s.height); }
+};
+
+/// sRGB, as "#rrggbb" or [r, g, b] in 0 … 1; kept as it was given, used in linear light.
+struct Color {
+    Vec3 srgb;
+    render::Float3 linear() const {
+        render::Float3 result{};
+        for (int i = 0; i < 3; ++i) {
+            const double c = srgb(i);
+            result[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+        }
+        return result;
+    }
+};
+template <>
+struct Value<Color> {
+    static Color read(const toml::node& node) {
+        static const char* wanted = "\"#rrggbb\" or [red, green, blue], each 0 … 1 (sRGB)";
+        if (node.is_array()) {
+            if (node.as_array()->size() != 3) throw BadValue{fmt::format("must be {}", wanted)};
+            const Color color{Value<Vec3>::read(node)};
+            if ((color.srgb.array() < 0.0).any() || (color.srgb.array() > 1.0).any()) {
+                throw BadValue{fmt::format("is out of range; must be {}", wanted)};
+            }
+            return color;
+        }
+        const std::string text = node.is_string() ? *node.value<std::string>() : "";
+        if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != text.npos) {
+            wrong_type(node, wanted);
+        }
+        const long rgb = std::strtol(text.c_str() + 1, nullptr, 16);
+        return {Vec3(static_cast<double>(rgb >> 16), static_cast<double>((rgb >> 8) & 255),
+                     static_cast<double>(rgb & 255)) /
+                255.0};
+    }
+    static std::string write(const Color& color) { return Value<Vec3>::write(color.srgb); }
+};
+
+// ---------------------------------------------------------------- suggestions
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t above = row[j];
+            row[j] = std::min({row[j - 1] + 1, above + 1, diagonal + (a[i - 1] != b[j - 1])});
+            diagonal = above;
+        }
+    }
+    return row[b.size()];
+}
+
+/// The candidate nearest to `word`, or "" where none is near.
+std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
+    std::string best;
+    std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+    for (const std::string& candidate : candidates) {
+        const std::size_t distance = edit_distance(word, candidate);
+        if (distance < best_distance) {
+            best_distance = distance;
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+std::string join(const std::vector<std::string>& items) {
+    std::string text;
+    for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+    return text;
+}
+
+// ---------------------------------------------------------------- fields
+
+/// One key of a table: how it is read into its place and written back.
+struct Field {
+    std::string key, unit, help;
+    std::function<void(const toml::node&)> read;
+    std::function<std::string()> write;  ///< empty text: not set
+};
+using Fields = std::vector<Field>;
+
+template <class T>
+Field field(const char* key, const char* unit, const char* help, T& target) {
+    return {key, unit, help, [&target](const toml::node& node) { target = Value<T>::read(node); },
+            [&target] { return Value<T>::write(target); }};
+}
+
+template <class T>
+Field field(const char* key, const char* unit, const char* help, std::optional<T>& target) {
+    return {key, unit, help, [&target](const toml::node& node) { target = Value<T>::read(node); },
+            [&target] { return target ? Value<T>::write(*target) : std::string(); }};
+}
+
+template <class E>
+using Names = std::vector<std::pair<const char*, E>>;
+
+template <class E>
+Field choice(const char* key, const char* help, E& target, const Names<E>& names) {
+    std::vector<std::string> known;
+    for (const auto& [name, value] : names) known.push_back(name);
+    return {key, join(known), help,
+            [&target, names, known](const toml::node& node) {
+                const std::string text = Value<std::string>::read(node);
+                for (const auto& [name, value] : names) {
+                    if (text == name) {
+                        target = value;
+                        return;
+                    }
+                }
+                const std::string near = nearest_word(text, known);
+                throw BadValue{near.empty() ? fmt::format("is \"{}\"; must be one of {}", text, join(known))
+                                            : fmt::format("is \"{}\"; did you mean \"{}\"? (one of {})", text, near,
+                                                          join(known))};
+            },
+            [&target, names] {
+                for (const auto& [name, value] : names) {
+                    if (value == target) return Value<std::string>::write(name);
+                }
+                return std::string();
+            }};
+}
+
+template <class E>
+Field choice(const char* key, const char* help, std::optional<E>& target, const Names<E>& names) {
+    // Reads through a temporary of the plain kind.
+    auto value = std::make_shared<E>();
+    Field plain = choice(key, help, *value, names);
+    return {plain.key, plain.unit, plain.help,
+            [&target, value, read = plain.read](const toml::node& node) {
+                read(node);
+                target = *value;
+            },
+            [&target, value, write = plain.write] {
+                if (!target) return std::string();
+                *value = *target;
+                return write();
+            }};
+}
+
+const Names<IntegratorKind> integrator_names{{"linearly_implicit_euler", IntegratorKind::linearly_implicit_euler},
+                                             {"implicit_euler", IntegratorKind::implicit_euler}};
+const Names<HessianKind> hessian_names{{"assignment", HessianKind::assignment}, {"projected", HessianKind::projected}};
+const Names<ContactKind> contact_names{{"velocity_filter", ContactKind::velocity_filter},
+                                       {"penalty", ContactKind::penalty}};
+const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform}, {"alternating", Diagonals::alternating}};
+const Names<Shape> shape_names{{"sphere", Shape::sphere}, {"plane", Shape::plane}};
+const Names<Switch> switch_names{{"on", Switch::on}, {"off", Switch::off}, {"toggle", Switch::toggle}};
+
+// ---------------------------------------------------------------- what a file says
+
+struct LookEntry {
+    Color color{Vec3(0.8, 0.8, 0.8)};
+    std::optional<Color> back_color;
+    double roughness = 0.75, specular = 0.03, sheen = 0.0;
+
+    Fields fields() {
+        return {field("color", "sRGB", "colour of the front", color),
+                field("back_color", "sRGB", "colour of the back; default: as the front", back_color),
+                field("roughness", "", "of the specular lobe, 0 … 1", roughness),
+                field("specular", "", "reflectance at normal incidence", specular),
+                field("sheen", "", "soft glow of fibres at grazing angles", sheen)};
+    }
+    Look look() const {
+        render::Material m;
+        m.front = color.linear();
+        m.back = back_color.value_or(color).linear();
+        m.roughness = static_cast<float>(roughness);
+        m.specular = static_cast<float>(specular);
+        m.sheen = static_cast<float>(sheen);
+        return {m};
+    }
+};
+
+Fields operator+(Fields a, const Fields& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+struct ClothEntry {
+    ClothDesc desc;
+    std::optional<Vec2> size;
+    std::optional<Resolution> resolution;
+    std::optional<Diagonals> diagonals;
+    std::optional<std::string> mesh, pose;
+    LookEntry look{.color = {Vec3(0.72, 0.16, 0.14)}, .back_color = {}, .sheen = 0.35};
+
+    Fields fields() {
+        return Fields{field("name", "", "by which pins refer to it", desc.name),
+                      field("size", "m", "of a grid: [along x, along y]", size),
+                      field("resolution", "", "of a grid: vertices per side, one number or [along x, along y]",
+                            resolution),
+                      choice("diagonals", "of a grid: how squares are cut", diagonals, diagonal_names),
+                      field("mesh", "file", "rest shape, instead of a grid", mesh),
+                      field("pose", "file", "mesh of the start positions; default: the rest shape", pose),
+                      field("scale", "", "of the start pose", desc.transform.scale),
+                      field("rotate", "degree", "of the start pose, about fixed x, then y, then z",
+                            desc.transform.rotate),
+                      field("translate", "m", "of the start pose, after scale and rotate", desc.transform.translate),
+                      field("velocity", "m/s", "at the start, of the free vertices", desc.velocity),
+                      field("bump", "m", "height of a smooth out-of-plane offset of the start pose", desc.bump)} +
+               look.fields();
+    }
+    Fields fabric_fields() {
+        Fabric& f = desc.fabric;
+        return {field("density", "kg/m²", "mass per area", f.density),
+                field("thickness", "m", "multiplies the membrane's moduli", f.thickness),
+                field("young_modulus", "Pa", "in-plane", f.young_modulus),
+                field("poisson_ratio", "", "in-plane, plane stress", f.poisson_ratio),
+                field("mu", "Pa", "handed to the membrane as it is, with lambda, instead of the two above", f.mu),
+                field("lambda", "Pa", "see mu", f.lambda),
+                field("bending", "N m", "bending rigidity", f.bending)};
+    }
+};
+
+struct ColliderEntry {
+    ColliderDesc desc;
+    LookEntry look{.color = {Vec3(0.35, 0.42, 0.5)}, .back_color = {}, .roughness = 0.35, .specular = 0.05};
+
+    Fields fields() {
+        return Fields{field("name", "", "by which events refer to it", desc.name),
+                      choice("shape", "of the collider", desc.shape, shape_names),
+                      field("center", "m", "centre of a sphere, a point on a plane", desc.center),
+                      field("normal", "", "of a plane, outward", desc.normal),
+                      field("radius", "m", "of a sphere, as drawn", desc.radius),
+                      field("contact_offset", "m", "contact begins this far outside the drawn surface",
+                            desc.contact_offset),
+                      field("contact_radius", "m", "of a sphere: contact begins here, instead of contact_offset",
+                            desc.contact_radius),
+                      field("friction", "", "Coulomb coefficient", desc.friction),
+                      field("enabled", "", "whether it is on at the start", desc.enabled),
+                      field("drawn", "", "whether pictures show it (while it is on)", desc.drawn)} +
+               look.fields();
+    }
+};
+
+struct PinEntry {
+    PinDesc desc;
+    std::optional<std::string> cloth;
+    std::optional<std::vector<int>> vertices;
+    Fields fields() {
+        return {field("cloth", "name", "which cloth; default: the first", cloth),
+                field("vertices", "", "indices into the cloth's vertices", vertices),
+                field("box", "m", "[[x, y, z], [x, y, z]]: lower and upper corner, start pose", desc.box),
+                field("nearest", "m", "the vertex nearest this point of the start pose", desc.nearest),
+                field("greatest", "", "x, y, z, -x, -y or -z: the vertices furthest that way", desc.greatest),
+                field("tolerance", "m", "of greatest", desc.tolerance)};
+    }
+};
+
+struct DragEntry {
+    DragDesc desc;
+    Fields fields() {
+        return {field("path", "s, pixel", "[[time, x, y], …]: pressed at the first, let go at the last", desc.path),
+                field("radius", "m", "vertices this near the picked one are picked too", desc.radius),
+                field("stiffness", "N/m", "of each spring", desc.stiffness),
+                field("viewport", "pixel", "the window that the pixels refer to", desc.viewport)};
+    }
+};
+
+struct EventEntry {
+    EventDesc desc;
+    std::optional<std::string> collider, integrator;
+    std::optional<Switch> action;
+    Fields fields() {
+        return {field("time", "s", "acts from the first step that starts then", desc.time),
+                field("collider", "name", "the collider that is switched", collider),
+                choice("action", "on the collider; default: toggle", action, switch_names),
+                field("integrator", "", "toggle, linearly_implicit_euler or implicit_euler", integrator)};
+    }
+};
+
+struct CameraEntry {
+    Vec3 position{0.0, 0.3, 2.5}, target{0.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
+    double field_of_view = 35.0;
+    Fields fields() {
+        return {field("position", "m", "of the eye", position), field("target", "m", "what it looks at", target),
+                field("up", "", "direction that is up in the picture", up),
+                field("field_of_view", "degree", "vertical", field_of_view)};
+    }
+};
+
+struct LightEntry {
+    Vec3 direction;
+    Color color{Vec3(1.0, 0.985, 0.96)};
+    double intensity, softness;
+    bool shadow;
+    LightEntry() {
+        const render::Light light;
+        direction = Vec3(light.direction[0], light.direction[1], light.direction[2]);
+        intensity = light.intensity;
+        softness = std::round(1e6 * light.softness) / 1e6;
+        shadow = light.shadow;
+    }
+    Fields fields() {
+        return {field("direction", "", "from the scene towards the light", direction),
+                field("color", "sRGB", "of the light", color),
+                field("intensity", "", "irradiance of a facing plane", intensity),
+                field("softness", "m", "half the width of a shadow's edge", softness),
+                field("shadow", "", "whether it casts shadows", shadow)};
+    }
+};
+
+struct GroundEntry {
+    double height = 0.0;
+    Color color{Vec3(0.78, 0.78, 0.78)};
+    Fields fields() {
+        return {field("height", "m", "y of the floor", height), field("color", "sRGB", "of the floor", color)};
+    }
+};
+
+struct BackgroundEntry {
+    Color color{Vec3(0.87, 0.89, 0.91)}, sky{Vec3(0.86, 0.9, 0.95)};
+    double exposure = 1.0;
+    Fields fields() {
+        return {field("color", "sRGB", "behind everything", color), field("sky", "sRGB", "light from above", sky),
+                field("exposure", "", "factor on all light", exposure)};
+    }
+};
+
+struct Document {
+    int version = 1;
+    std::string description;
+    Scene scene;
+    std::vector<ClothEntry> cloths;
+    std::vector<ColliderEntry> colliders;
+    std::vector<PinEntry> pins;
+    std::vector<DragEntry> drags;
+    std::vector<EventEntry> events;
+    CameraEntry camera;
+    LightEntry light;
+    std::optional<GroundEntry> ground;
+    BackgroundEntry background;
+    OutputDesc output;
+    PixelSize size{1280, 720};
+    ExpectDesc expect;
+
+    Fields top_fields() {
+        return {field("version", "", "of the scene format: 1", version),
+                field("description", "", "one line for lists", description)};
+    }
+    Fields simulation_fields() {
+        SimulationDesc& s = scene.simulation;
+        return {field("gravity", "m/s²", "acceleration", s.gravity),
+                field("frame_rate", "1/s", "frame k stands at time k / frame_rate", s.frame_rate),
+                field("time_step", "s", "longest step; a frame is cut into the fewest equal ones", s.time_step),
+                field("substeps", "", "steps per frame, instead of time_step", s.substeps),
+                choice("integrator", "how a step is made", s.integrator, integrator_names),
+                choice("hessian", "of linearly_implicit_euler", s.hessian, hessian_names),
+                choice("contact", "how cloth meets colliders", s.contact, contact_names),
+                field("contact_stiffness", "N/m", "of contact = \"penalty\", per vertex", s.contact_stiffness),
+                field("sliding_speed", "m/s", "of contact = \"penalty\": friction is in full force above it",
+                      s.sliding_speed),
+                field("newton_iterations", "", "most of one implicit_euler step", s.newton_iterations),
+                field("newton_tolerance", "", "residual at which implicit_euler stops, against the step's start",
+                      s.newton_tolerance)};
+    }
+    Fields output_fields() {
+        return {field("size", "pixel", "of pictures and movie", size),
+                field("frames", "", "when the command line does not say", output.frames),
+                field("playback_rate", "1/s", "frames per second of the movie; default: frame_rate",
+                      output.playback_rate),
+                field("quality", "", "H.264 constant rate factor, 0 (lossless) … 51", output.quality)};
+    }
+    Fields expect_fields() {
+        return {field("state_tolerance", "m", "of golden states made by another build", expect.state_tolerance),
+                field("frames", "", "golden frames", expect.frames)};
+    }
+};
+
+// ---------------------------------------------------------------- reading
+
+/// Keys of which setting one removes the others.
+const std::vector<std::vector<std::string>> alternatives{
+    {"simulation.time_step", "simulation.substeps"},
+    {"cloth.fabric.young_modulus", "cloth.fabric.mu"},
+    {"cloth.fabric.young_modulus", "cloth.fabric.lambda"},
+    {"cloth.fabric.poisson_ratio", "cloth.fabric.mu"},
+    {"cloth.fabric.poisson_ratio", "cloth.fabric.lambda"},
+    {"collider.contact_offset", "collider.contact_radius"},
+};
+const std::set<std::string> lists{"cloth", "collider", "pin", "drag", "event", "light"};
+
+class Reader {
+  public:
+    Reader(std::string label, fs::path folder) : label_(std::move(label)), folder_(std::move(folder)) {}
+
+    void parse(const std::string& text) {
+        try {
+            root_ = toml::parse(text, label_);
+        } catch (const toml::parse_error& error) {
+            throw Error(ExitCode::invalid_scene,
+                        fmt::format("{}:{}:{}: {}", label_, error.source().begin.line, error.source().begin.column,
+                                    error.description()));
+        }
+    }
+
+    void override_key(const std::string& setting) {
+        const std::size_t equals = setting.find('=');
+        if (equals == setting.npos || equals == 0) {
+            throw Error(ExitCode::usage, fmt::format("--set {}: must be KEY=VALUE", setting));
+        }
+        const std::string key = setting.substr(0, equals), text = setting.substr(equals + 1);
+        auto refuse = [&](const std::string& message) {
+            throw Error(ExitCode::invalid_scene, fmt::format("--set {}: {}: {}", setting, key, message));
+        };
+
+        // a.b[2].c → steps "a", "b", 2, "c"; a list without an index means its first entry.
+        toml::table* table = &root_;
+        std::string path, plain;
+        std::size_t begin = 0;
+        while (true) {
+            const std::size_t end = std::min(key.find('.', begin), key.size());
+            std::string name = key.substr(begin, end - begin);
+            std::optional<std::size_t> index;
+            if (const std::size_t bracket = name.find('['); bracket != name.npos) {
+                std::size_t value = 0;
+                char rest = 0;
+                if (std::sscanf(name.c_str() + bracket, "[%zu%c", &value, &rest) != 2 || rest != ']' ||
+                    name.back() != ']') {
+                    refuse("an index is written [0], [1], …");
+                }
+                index = value;
+                name.resize(bracket);
+            }
+            if (name.empty()) refuse("a part of the key is empty");
+            plain += (plain.empty() ? "" : ".") + name;
+            const bool last = end == key.size();
+            const bool list = lists.count(plain) == 1;
+            if (index && !list) refuse(fmt::format("\"{}\" is no list of tables", plain));
+            if (last) {
+                if (list || index) refuse("names a whole table; name one of its keys");
+                path += (path.empty() ? "" : ".") + name;
+                set_value(*table, name, text);
+                remove_alternatives(*table, plain, name);
+                break;
+            }
+            if (list) {
+                const std::size_t wanted = index.value_or(0);
+                if (plain == "light" && !table->contains(name)) table->insert(name, toml::array{toml::table{}});
+                if (plain == "light" && table->get(name)->is_table()) {
+                    table = table->get_as<toml::table>(name);
+                } else {
+                    toml::array* array = table->get_as<toml::array>(name);
+                    const std::size_t count = array ? array->size() : 0;
+                    if (wanted >= count || !array->get(wanted)->is_table()) {
+                        refuse(fmt::format("the scene has {} [[{}]], counted from 0", count, name));
+                    }
+                    table = array->get(wanted)->as_table();
+                }
+                path += (path.empty() ? "" : ".") + fmt::format("{}[{}]", name, wanted);
+            } else {
+                if (!table->contains(name)) table->insert(name, toml::table{});
+                if (!table->get(name)->is_table()) refuse(fmt::format("\"{}\" is no table", plain));
+                table = table->get_as<toml::table>(name);
+                path += (path.empty() ? "" : ".") + name;
+            }
+            begin = end + 1;
+        }
+        overridden_[path] = setting;
+    }
+
+    /// Reads a table's values by its fields; `nested` lists keys that are tables of their own.
+    void read(const toml::table& table, const std::string& path, const Fields& fields,
+              const std::vector<std::string>& nested = {}) {
+        for (const auto& [toml_key, node] : table) {
+            const std::string key(toml_key.str());
+            const std::string full = path.empty() ? key : path + "." + key;
+            if (std::find(nested.begin(), nested.end(), key) != nested.end()) continue;
+            const auto found =
+                std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == key; });
+            if (found == fields.end()) unknown_key(toml_key, full, key, fields, nested);
+            try {
+                found->read(node);
+            } catch (const BadValue& bad) {
+                fail_at(node.source(), full, bad.what + (found->unit.empty() || found->unit.find(',') != found->unit.npos
+                                                             ? ""
+                                                             : " [" + found->unit + "]"));
+            }
+        }
+    }
+
+    const toml::table* table(const std::string& key) {
+        const toml::node* node = root_.get(key);
+        if (!node) return nullptr;
+        if (!node->is_table()) fail_at(node->source(), key, "is " + type_name(*node) + "; must be a table, [" + key + "]");
+        return node->as_table();
+    }
+
+    std::vector<const toml::table*> list(const std::string& key) {
+        std::vector<const toml::table*> tables;
+        const toml::node* node = root_.get(key);
+        if (!node) return tables;
+        if (const toml::array* array = node->as_array()) {
+            for (const toml::node& entry : *array) {
+                if (!entry.is_table()) {
+                    fail_at(entry.source(), key, "is " + type_name(entry) + "; must be a table, [[" + key + "]]");
+                }
+                tables.push_back(entry.as_table());
+            }
+        } else if (key == "light" && node->is_table()) {
+            tables.push_back(node->as_table());
+        } else {
+            fail_at(node->source(), key, "is " + type_name(*node) + "; must be a list of tables, [[" + key + "]]");
+        }
+        return tables;
+    }
+
+    /// Throws for a dotted key, at the place of the deepest part of it that the file has.
+    [[noreturn]] void fail(const std::string& key, const std::string& message) {
+        const toml::node* node = &root_;
+        std::string rest = key;
+        while (!rest.empty()) {
+            const std::size_t end = rest.find_first_of(".[");
+            const std::string name = rest.substr(0, end);
+            const toml::node* next = nullptr;
+            if (rest[0] == '[') {
+                const std::size_t close = rest.find(']');
+                if (node->is_array()) next = node->as_array()->get(std::strtoul(rest.c_str() + 1, nullptr, 10));
+                rest = close == rest.npos ? "" : rest.substr(close + 1);
+            } else {
+                if (node->is_table()) next = node->as_table()->get(name);
+                rest = end == rest.npos ? "" : rest.substr(end);
+            }
+            if (!rest.empty() && rest[0] == '.') rest.erase(0, 1);
+            if (!next) break;
+            node = next;
+        }
+        fail_at(node->source(), key, message);
+    }
+
+    /// Relative paths start at the scene file's folder, then at the working folder.
+    fs::path find_file(const std::string& name) const {
+        const fs::path path(name);
+        if (path.is_absolute()) return path;
+        std::error_code ignored;
+        if (fs::exists(folder_ / path, ignored)) return fs::absolute(folder_ / path).lexically_normal();
+        return fs::absolute(path).lexically_normal();
+    }
+
+    const toml::table& root() const { return root_; }
+
+  private:
+    [[noreturn]] void fail_at(const toml::source_region& place, const std::string& key, const std::string& message) {
+        // Longest overridden key that is this one or holds it.
+        std::string owner;
+        for (const auto& [path, setting] : overridden_) {
+            const bool same = key == path || key.starts_with(path + ".") || key.starts_with(path + "[") ||
+                              path.starts_with(key + ".");
+            if (same && (owner.empty() || path.size() > owner.size())) owner = path;
+        }
+        if (!owner.empty()) {
+            throw Error(ExitCode::invalid_scene, fmt::format("--set {}: {}: {}", overridden_[owner], key, message));
+        }
+        throw Error(ExitCode::invalid_scene,
+                    fmt::format("{}:{}:{}: {}: {}", label_, std::max<unsigned>(1, place.begin.line),
+                                std::max<unsigned>(1, place.begin.column), key, message));
+    }
+
+    [[noreturn]] void unknown_key(const toml::key& toml_key, const std::string& full, const std::string& key,
+                                  const Fields& fields, const std::vector<std::string>& nested) {
+        std::vector<std::string> known = nested;
+        for (const Field& f : fields) known.push_back(f.key);
+        const std::string near = nearest_word(key, known);
+        std::string message = "unknown key; ";
+        if (near.empty()) {
+            message += "known here: " + join(known);
+        } else {
+            const auto f = std::find_if(fields.begin(), fields.end(), [&](const Field& g) { return g.key == near; });
+            const bool unit = f != fields.end() && !f->unit.empty() && f->unit.find(',') == f->unit.npos;
+            message += fmt::format("did you mean \"{}\"{}?", near, unit ? " [" + f->unit + "]" : "");
+        }
+        fail_at(toml_key.source(), full, message);
+    }
+
+    static void set_value(toml::table& table, const std::string& key, const std::string& text) {
+        try {
+            toml::table parsed = toml::parse("value = " + text);
+            if (parsed.size() == 1 && parsed.contains("value")) {
+                parsed.get("value")->visit([&](auto& value) { table.insert_or_assign(key, std::move(value)); });
+                return;
+            }
+        } catch (const toml::parse_error&) {
+            // A bare word is a string.
+        }
+        table.insert_or_assign(key, text);
+    }
+
+    static void remove_alternatives(toml::table& table, const std::string& plain, const std::string& name) {
+        const std::string prefix = plain.substr(0, plain.size() - name.size());
+        for (const auto& group : alternatives) {
+            if (std::find(group.begin(), group.end(), plain) == group.end()) continue;
+            for (const std::string& other : group) {
+                if (other != plain) table.erase(other.substr(prefix.size()));
+            }
+        }
+        if (plain == "cloth.mesh") {
+            for (const char* key : {"size", "resolution", "diagonals"}) table.erase(key);
+        }
+    }
+
+    std::string label_;
+    fs::path folder_;
+    toml::table root_;
+    std::map<std::string, std::string> overridden_;  ///< full key → KEY=VALUE as given
+};
+
+std::string entry(const char* table, std::size_t index) { return fmt::format("{}[{}]", table, index); }
+
+template <class Entries>
+void require_distinct_names(Reader& reader, const char* table, const Entries& entries) {
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        if (!names.insert(entries[i].desc.name).second) {
+            reader.fail(entry(table, i) + ".name",
+                        fmt::format("\"{}\" is taken; names must differ", entries[i].desc.name));
+        }
+    }
+}
+
+template <class Entries>
+int index_of(Reader& reader, const std::string& key, const std::string& name, const Entries& entries,
+             const char* what) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        if (entries[i].desc.name == name) return static_cast<int>(i);
+        names.push_back(entries[i].desc.name);
+    }
+    const std::string near = nearest_word(name, names);
+    reader.fail(key, fmt::format("there is no {} \"{}\"; {}", what, name,
+                                 !near.empty()   ? fmt::format("did you mean \"{}\"?", near)
+                                 : names.empty() ? fmt::format("the scene has none")
+                                                 : "known: " + join(names)));
+}
+
+void read_document(Reader& reader, Document& d) {
+    const std::vector<std::string> tables{"simulation", "cloth",  "collider", "pin",        "drag",  "event",
+                                          "camera",     "light",  "ground",   "background", "output", "expect"};
+    reader.read(reader.root(), "", d.top_fields(), tables);
+    if (!reader.root().contains("version")) reader.fail("version", "is missing; write version = 1");
+    if (d.version != 1) reader.fail("version", fmt::format("is {}; this program reads version 1", d.version));
+
+    if (const auto* t = reader.table("simulation")) reader.read(*t, "simulation", d.simulation_fields());
+    const auto cloths = reader.list("cloth");
+    d.cloths.resize(cloths.size());
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+        ClothEntry& c = d.cloths[i];
+        c.desc.name = cloths.size() == 1 ? "cloth" : fmt::format("cloth{}", i);
+        reader.read(*cloths[i], entry("cloth", i), c.fields(), {"fabric"});
+        if (const toml::node* fabric = cloths[i]->get("fabric")) {
+            if (!fabric->is_table()) {
+                reader.fail(entry("cloth", i) + ".fabric", "is " + type_name(*fabric) + "; must be a table");
+            }
+            reader.read(*fabric->as_table(), entry("cloth", i) + ".fabric", c.fabric_fields());
+        }
+    }
+    const auto colliders = reader.list("collider");
+    d.colliders.resize(colliders.size());
+    for (std::size_t i = 0; i < colliders.size(); ++i) {
+        d.colliders[i].desc.name = colliders.size() == 1 ? "collider" : fmt::format("collider{}", i);
+        reader.read(*colliders[i], entry("collider", i), d.colliders[i].fields());
+    }
+    const auto pins = reader.list("pin");
+    d.pins.resize(pins.size());
+    for (std::size_t i = 0; i < pins.size(); ++i) reader.read(*pins[i], entry("pin", i), d.pins[i].fields());
+    const auto drags = reader.list("drag");
+    d.drags.resize(drags.size());
+    for (std::size_t i = 0; i < drags.size(); ++i) reader.read(*drags[i], entry("drag", i), d.drags[i].fields());
+    const auto events = reader.list("event");
+    d.events.resize(events.size());
+    for (std::size_t i = 0; i < events.size(); ++i) reader.read(*events[i], entry("event", i), d.events[i].fields());
+    if (const auto* t = reader.table("camera")) reader.read(*t, "camera", d.camera.fields());
+    const auto lights = reader.list("light");
+    if (lights.size() > 1) reader.fail("light[1]", "there is one light; a second cannot be given");
+    if (!lights.empty()) reader.read(*lights[0], "light[0]", d.light.fields());
+    if (const auto* t = reader.table("ground")) {
+        d.ground.emplace();
+        reader.read(*t, "ground", d.ground->fields());
+    }
+    if (const auto* t = reader.table("background")) reader.read(*t, "background", d.background.fields());
+    if (const auto* t = reader.table("output")) reader.read(*t, "output", d.output_fields());
+    if (const auto* t = reader.table("expect")) reader.read(*t, "expect", d.expect_fields());
+}
+
+// ---------------------------------------------------------------- meaning
+
+MeshData load_mesh(Reader& reader, const std::string& key, const fs::path& path) {
+    try {
+        return read_mesh(path);
+    } catch (const Error& error) {
+        reader.fail(key, error.what());
+    }
+}
+
+void resolve_cloths(Reader& reader, Document& d) {
+    require_distinct_names(reader, "cloth", d.cloths);
+    for (std::size_t i = 0; i < d.cloths.size(); ++i) {
+        ClothEntry& c = d.cloths[i];
+        const std::string key = entry("cloth", i);
+        if (c.mesh) {
+            for (const auto& [given, name] : {std::pair{c.size.has_value(), "size"},
+                                              std::pair{c.resolution.has_value(), "resolution"},
+                                              std::pair{c.diagonals.has_value(), "diagonals"}}) {
+                if (given) {
+                    reader.fail(key + "." + name, "belongs to a grid, but the cloth has a mesh; give one of the two");
+                }
+            }
+            const fs::path path = reader.find_file(*c.mesh);
+            c.mesh = path.string();
+            c.desc.mesh = load_mesh(reader, key + ".mesh", path);
+        } else {
+            if (c.size) c.desc.grid.size = *c.size;
+            if (c.resolution) c.desc.grid.resolution = c.resolution->count;
+            if (c.diagonals) c.desc.grid.diagonals = *c.diagonals;
+            c.size = c.desc.grid.size;
+            c.resolution = Resolution{c.desc.grid.resolution};
+            c.diagonals = c.desc.grid.diagonals;
+        }
+        if (c.pose) {
+            const fs::path path = reader.find_file(*c.pose);
+            c.pose = path.string();
+            c.desc.pose = load_mesh(reader, key + ".pose", path).positions;
+        }
+        d.scene.cloths.push_back(c.desc);
+    }
+}
+
+void resolve_references(Reader& reader, Document& d) {
+    require_distinct_names(reader, "collider", d.colliders);
+    for (const ColliderEntry& c : d.colliders) d.scene.colliders.push_back(c.desc);
+    for (std::size_t i = 0; i < d.pins.size(); ++i) {
+        PinEntry& p = d.pins[i];
+        if (p.cloth) p.desc.cloth = index_of(reader, entry("pin", i) + ".cloth", *p.cloth, d.cloths, "cloth");
+        if (p.vertices) {
+            if (p.vertices->empty()) reader.fail(entry("pin", i) + ".vertices", "is empty; name at least one vertex");
+            p.desc.vertices = *p.vertices;
+        }
+        d.scene.pins.push_back(p.desc);
+    }
+    for (std::size_t i = 0; i < d.events.size(); ++i) {
+        EventEntry& e = d.events[i];
+        const std::string key = entry("event", i);
+        if (e.collider) e.desc.collider = index_of(reader, key + ".collider", *e.collider, d.colliders, "collider");
+        if (e.action && !e.collider) reader.fail(key + ".action", "acts on a collider; name one with collider");
+        e.desc.action = e.action.value_or(Switch::toggle);
+        if (e.integrator == "toggle") {
+            e.desc.toggle_integrator = true;
+        } else if (e.integrator) {
+            std::vector<std::string> known{"toggle"};
+            for (const auto& [name, value] : integrator_names) {
+                known.push_back(name);
+                if (*e.integrator == name) e.desc.integrator = value;
+            }
+            if (!e.desc.integrator) {
+                reader.fail(key + ".integrator",
+                            fmt::format("is \"{}\"; must be one of {}", *e.integrator, join(known)));
+            }
+        }
+        d.scene.events.push_back(e.desc);
+    }
+}
+
+void check_range(Reader& reader, const std::string& key, double value, double low, double high, const char* unit) {
+    if (value >= low && value <= high) return;
+    reader.fail(key, fmt::format("is {:g}; must be {:g} … {:g}{}{}", value, low, high, *unit ? " " : "", unit));
+}
+
+void check_looks(Reader& reader, Document& d) {
+    auto check = [&](const std::string& key, const LookEntry& look) {
+        check_range(reader, key + ".roughness", look.roughness, 0.0, 1.0, "");
+        check_range(reader, key + ".specular", look.specular, 0.0, 1.0, "");
+        check_range(reader, key + ".sheen", look.sheen, 0.0, 10.0, "");
+    };
+    for (std::size_t i = 0; i < d.cloths.size(); ++i) check(entry("cloth", i), d.cloths[i].look);
+    for (std::size_t i = 0; i < d.colliders.size(); ++i) check(entry("collider", i), d.colliders[i].look);
+    const Vec3 gaze = d.camera.target - d.camera.position;
+    if (!(gaze.norm() > 1e-9)) reader.fail("camera.target", "is where the camera stands; it must lie elsewhere");
+    if (!(gaze.cross(d.camera.up).norm() > 1e-9 * gaze.norm() * d.camera.up.norm())) {
+        reader.fail("camera.up", "points along the view; it must lie across it");
+    }
+    check_range(reader, "camera.field_of_view", d.camera.field_of_view, 1.0, 170.0, "degree");
+    if (!(d.light.direction.norm() > 1e-9)) reader.fail("light[0].direction", "is zero; must point towards the light");
+    check_range(reader, "light[0].intensity", d.light.intensity, 0.0, 1e6, "");
+    check_range(reader, "light[0].softness", d.light.softness, 0.0, 1.0, "m");
+    check_range(reader, "background.exposure", d.background.exposure, 1e-6, 1e6, "");
+    check_range(reader, "output.quality", d.output.quality, 0, 51, "");
+    check_range(reader, "output.frames", d.output.frames, 1, 10'000'000, "frames");
+    if (d.output.playback_rate) {
+        check_range(reader, "output.playback_rate", *d.output.playback_rate, 0.01, 1000.0, "1/s");
+    }
+    check_range(reader, "expect.state_tolerance", d.expect.state_tolerance, 1e-15, 1.0, "m");
+    for (int frame : d.expect.frames) check_range(reader, "expect.frames", frame, 0, 10'000'000, "");
+}
+
+/// OpenGL's view and projection matrices of the scene's camera, without the C library's tangent.
+void resolve_drags(Document& d) {
+    const CameraEntry& camera = d.camera;
+    const Vec3 forward = (camera.target - camera.position).normalized();
+    const Vec3 right = forward.cross(camera.up).normalized();
+    const Vec3 up = right.cross(forward);
+    Mat4 view = Mat4::Identity();
+    view.block<1, 3>(0, 0) = right.transpose();
+    view.block<1, 3>(1, 0) = up.transpose();
+    view.block<1, 3>(2, 0) = -forward.transpose();
+    view.block<3, 1>(0, 3) = -view.block<3, 3>(0, 0) * camera.position;
+    constexpr double near_plane = 0.01, far_plane = 100.0;
+    for (DragEntry& drag : d.drags) {
+        const double scale = 1.0 / tan_degrees(0.5 * camera.field_of_view);
+        Mat4& p = drag.desc.projection;
+        p.setZero();
+        p(0, 0) = scale * drag.desc.viewport.y() / drag.desc.viewport.x();
+        p(1, 1) = scale;
+        p(2, 2) = -(far_plane + near_plane) / (far_plane - near_plane);
+        p(2, 3) = -2.0 * far_plane * near_plane / (far_plane - near_plane);
+        p(3, 2) = -1.0;
+        drag.desc.view = view;
+        d.scene.drags.push_back(drag.desc);
+    }
+}
+
+// ---------------------------------------------------------------- writing
+
+std::string write_fields(const Fields& fields) {
+    std::string text;
+    for (const Field& f : fields) {
+        const std::string value = f.write();
+        if (!value.empty()) text += f.key + " = " + value + "\n";
+    }
+    return text;
+}
+
+std::string write_document(Document& d) {
+    std::string text = write_fields(d.top_fields());
+    text += "\n[simulation]\n" + write_fields(d.simulation_fields());
+    for (ClothEntry& c : d.cloths) {
+        text += "\n[[cloth]]\n" + write_fields(c.fields()) + "\n[cloth.fabric]\n" + write_fields(c.fabric_fields());
+    }
+    for (ColliderEntry& c : d.colliders) text += "\n[[collider]]\n" + write_fields(c.fields());
+    for (PinEntry& p : d.pins) text += "\n[[pin]]\n" + write_fields(p.fields());
+    for (DragEntry& drag : d.drags) text += "\n[[drag]]\n" + write_fields(drag.fields());
+    for (EventEntry& e : d.events) text += "\n[[event]]\n" + write_fields(e.fields());
+    text += "\n[camera]\n" + write_fields(d.camera.fields());
+    text += "\n[[light]]\n" + write_fields(d.light.fields());
+    if (d.ground) text += "\n[ground]\n" + write_fields(d.ground->fields());
+    text += "\n[background]\n" + write_fields(d.background.fields());
+    text += "\n[output]\n" + write_fields(d.output_fields());
+    text += "\n[expect]\n" + write_fields(d.expect_fields());
+    return text;
+}
+
+render::Float3 to_float(const Vec3& v) {
+    return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+std::vector<fs::path> scene_files() {
+    std::vector<fs::path> files;
+    for (const fs::path& folder : scene_folders()) {
+        std::error_code ignored;
+        for (const auto& file : fs::directory_iterator(folder, ignored)) {
+            if (file.path().extension() == ".toml") files.push_back(file.path());
+        }
+    }
+    std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) { return a.stem() < b.stem(); });
+    return files;
+}
+
+std::string read_text(const fs::path& path) {
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (!file) throw Error(ExitCode::invalid_scene, fmt::format("{}: cannot be read", path.string()));
+    std::string text;
+    char buffer[65536];
+    for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;) text.append(buffer, n);
+    std::fclose(file);
+    return text;
+}
+
+}  // namespace
+
+SceneFile parse_scene(const std::string& text, const std::string& label, const fs::path& folder,
+                      const Overrides& overrides) {
+    Reader reader(label, folder);
+    reader.parse(text);
+    for (const std::string& setting : overrides) reader.override_key(setting);
+
+    Document d;
+    d.light = LightEntry();
+    read_document(reader, d);
+    d.output.width = d.size.width;
+    d.output.height = d.size.height;
+    resolve_cloths(reader, d);
+    resolve_references(reader, d);
+    check_looks(reader, d);
+    resolve_drags(d);
+    try {
+        validate(d.scene);
+        for (std::size_t i = 0; i < d.scene.cloths.size(); ++i) {
+            if (d.scene.cloths[i].mesh) check_cloth_mesh(*d.scene.cloths[i].mesh, entry("cloth", i) + ".mesh");
+        }
+        for (std::size_t i = 0; i < d.scene.pins.size(); ++i) {
+            const ClothDesc& c = d.scene.cloths[d.scene.pins[i].cloth];
+            select_vertices(d.scene.pins[i], start_positions(c, c.mesh ? *c.mesh : make_grid(c.grid)), entry("pin", i));
+        }
+    } catch (const SceneError& error) {
+        reader.fail(error.key, error.what());
+    }
+
+    SceneFile file;
+    file.name = fs::path(label).stem().string();
+    file.description = d.description;
+    d.scene.name = file.name;
+    file.scene = d.scene;
+    file.output = d.output;
+    file.expect = d.expect;
+    for (int frame : file.expect.frames) {
+        file.expect.frames_simulated = std::max(file.expect.frames_simulated, frame + 1);
+    }
+    file.view.width = d.size.width;
+    file.view.height = d.size.height;
+    file.view.eye = to_float(d.camera.position);
+    file.view.target = to_float(d.camera.target);
+    file.view.up = to_float(d.camera.up);
+    file.view.field_of_view = static_cast<float>(d.camera.field_of_view);
+    file.view.light.direction = to_float(d.light.direction);
+    file.view.light.color = d.light.color.linear();
+    file.view.light.intensity = static_cast<float>(d.light.intensity);
+    file.view.light.softness = static_cast<float>(d.light.softness);
+    file.view.light.shadow = d.light.shadow;
+    file.view.background = d.background.color.linear();
+    file.view.sky = d.background.sky.linear();
+    file.view.exposure = static_cast<float>(d.background.exposure);
+    if (d.ground) file.ground = render::Ground{static_cast<float>(d.ground->height), d.ground->color.linear()};
+    for (const ClothEntry& c : d.cloths) file.cloth_looks.push_back(c.look.look());
+    for (const ColliderEntry& c : d.colliders) file.collider_looks.push_back(c.look.look());
+    file.resolved = write_document(d);
+    return file;
+}
+
+SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides) {
+    std::error_code ignored;
+    fs::path path(name_or_path);
+    const bool looks_like_path = path.extension() == ".toml" || path.has_parent_path();
+    if (!looks_like_path) {
+        std::vector<std::string> known;
+        path.clear();
+        for (const fs::path& file : scene_files()) {
+            known.push_back(file.stem().string());
+            if (path.empty() && known.back() == name_or_path) path = file;
+        }
+        if (path.empty()) {
+            const std::string near = nearest_word(name_or_path, known);
+            throw Error(ExitCode::invalid_scene,
+                        fmt::format("unknown scene \"{}\"; {}known: {}", name_or_path,
+                                    near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), join(known)));
+        }
+    }
+    if (!fs::exists(path, ignored)) {
+        throw Error(ExitCode::invalid_scene, fmt::format("{}: there is no such scene file", path.string()));
+    }
+    if (fs::is_directory(path, ignored)) {
+        throw Error(ExitCode::invalid_scene, fmt::format("{}: is a folder; a scene is a .toml file", path.string()));
+    }
+    return parse_scene(read_text(path), path.string(), fs::absolute(path).parent_path(), overrides);
+}
+
+std::vector<fs::path> scene_folders() {
+    std::vector<fs::path> folders;
+    if (const char* assets = std::getenv("CLOTH_ASSETS")) folders.push_back(fs::path(assets) / "scenes");
+    folders.push_back(fs::path(CLOTH_ASSETS_DIR) / "scenes");
+    return folders;
+}
+
+std::vector<std::array<std::string, 2>> list_scenes() {
+    std::vector<std::array<std::string, 2>> result;
+    for (const fs::path& file : scene_files()) {
+        const std::string name = file.stem().string();
+        if (!result.empty() && result.back()[0] == name) continue;
+        std::string description;
+        try {
+            description = toml::parse_file(file.string())["description"].value_or(std::string());
+        } catch (const toml::parse_error&) {
+            description = "(cannot be read)";
+        }
+        result.push_back({name, description});
+    }
+    return result;
+}
+
+std::string key_reference() {
+    Document d;
+    ClothEntry cloth;
+    cloth.size = cloth.desc.grid.size;
+    cloth.resolution = Resolution{cloth.desc.grid.resolution};
+    cloth.diagonals = cloth.desc.grid.diagonals;
+    ColliderEntry collider;
+    PinEntry pin;
+    DragEntry drag;
+    EventEntry event;
+    GroundEntry ground;
+    std::string text;
+    auto table = [&](const std::string& title, const Fields& fields) {
+        text += title + "\n";
+        for (const Field& f : fields) {
+            const std::string value = f.write();
+            text += fmt::format("  {:<18} {}{}{}\n", f.key, f.help, f.unit.empty() ? "" : " [" + f.unit + "]",
+                                value.empty() || value == "\"\"" ? "" : "; default " + value);
+        }
+    };
+    table("(top of the file)", d.top_fields());
+    table("[simulation]", d.simulation_fields());
+    table("[[cloth]]", cloth.fields());
+    table("[cloth.fabric]", cloth.fabric_fields());
+    table("[[collider]]", collider.fields());
+    table("[[pin]]", pin.fields());
+    table("[[drag]]", drag.fields());
+    table("[[event]]", event.fields());
+    table("[camera]", d.camera.fields());
+    table("[[light]]", d.light.fields());
+    table("[ground]  (no table: no floor)", ground.fields());
+    table("[background]", d.background.fields());
+    table("[output]", d.output_fields());
+    table("[expect]", d.expect_fields());
+    return text;
+}
+
+}  // namespace cloth::pipeline
