@@ -1,6 +1,7 @@
-// OBJ and PLY are read here and everything else by assimp. assimp keeps floats, splits an OBJ's vertices wherever
-// corners differ in normal or texture coordinate, and numbers them by first use; a cloth needs the file's own
-// vertices, in their order, to the last digit: pins name them, and states are compared vertex by vertex.
+// OBJ and PLY are read here and everything else by assimp. assimp keeps floats, splits an OBJ's vertices
+// wherever corners differ in normal or texture coordinate, and numbers them by first use; a cloth needs the
+// file's own vertices, in their order, to the last digit: pins name them, and states are compared vertex by
+// vertex.
 
 #include "pipeline/mesh_file.h"
 
@@ -77,7 +78,8 @@ double read_double(std::string_view word, const Place& place) {
     double value = 0.0;
     const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (problem == std::errc::result_out_of_range) place.fail(quoted(word) + " does not fit a double");
-    if (problem != std::errc() || end != digits.data() + digits.size()) place.fail(quoted(word) + " is no number");
+    if (problem != std::errc() || end != digits.data() + digits.size())
+        place.fail(quoted(word) + " is no number");
     if (!std::isfinite(value)) place.fail(quoted(word) + " is not a finite number");
     return value;
 }
@@ -86,7 +88,8 @@ std::int64_t read_integer(std::string_view word, const Place& place) {
     std::int64_t value = 0;
     const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (problem == std::errc::result_out_of_range) place.fail(quoted(word) + " is too large");
-    if (problem != std::errc() || end != word.data() + word.size()) place.fail(quoted(word) + " is no whole number");
+    if (problem != std::errc() || end != word.data() + word.size())
+        place.fail(quoted(word) + " is no whole number");
     return value;
 }
 
@@ -104,12 +107,14 @@ MeshData finish(const Draft& draft, const fs::path& path, bool faces_wanted) {
     const Place whole{path};
     if (n == 0) whole.fail("has no vertices");
     if (faces_wanted && m == 0) whole.fail("has no faces");
-    if (std::max(n, m) > static_cast<std::size_t>(std::numeric_limits<int>::max() / 3)) whole.fail("is too large");
+    if (std::max(n, m) > static_cast<std::size_t>(std::numeric_limits<int>::max() / 3))
+        whole.fail("is too large");
     MeshData mesh;
     mesh.positions.resize(static_cast<Eigen::Index>(n), 3);
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t k = 0; k < 3; ++k) {
-            mesh.positions(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = draft.positions[i][k];
+            mesh.positions(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+                draft.positions[i][k];
         }
     }
     mesh.triangles.resize(static_cast<Eigen::Index>(m), 3);
@@ -118,7 +123,8 @@ MeshData finish(const Draft& draft, const fs::path& path, bool faces_wanted) {
             const std::int64_t v = draft.triangles[t][k];
             if (v < 0 || v >= static_cast<std::int64_t>(n)) {
                 const Place place{path, draft.lines.empty() ? 0 : draft.lines[t]};
-                place.fail(fmt::format("face {} refers to vertex {}; there are {}, both counted from 0", t, v, n));
+                place.fail(
+                    fmt::format("face {} refers to vertex {}; there are {}, both counted from 0", t, v, n));
             }
             mesh.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = static_cast<int>(v);
         }
@@ -128,8 +134,8 @@ MeshData finish(const Draft& draft, const fs::path& path, bool faces_wanted) {
 
 // ---------------------------------------------------------------- OBJ
 
-/// A face's corner: v, v/vt, v//vn or v/vt/vn. Returns the vertex, counted from 0; negative numbers in the file
-/// count back from the latest vertex.
+/// A face's corner: v, v/vt, v//vn or v/vt/vn. Returns the vertex, counted from 0; negative numbers in the
+/// file count back from the latest vertex.
 std::int64_t obj_corner(std::string_view word, std::size_t vertices, const Place& place) {
     std::int64_t vertex = 0;
     std::string_view rest = word;
@@ -154,8 +160,8 @@ std::int64_t obj_corner(std::string_view word, std::size_t vertices, const Place
 Draft read_obj(std::string_view text, const fs::path& path) {
     // What these lines say does not change the shape.
     constexpr std::array<std::string_view, 22> ignored{
-        "vt",    "vn",  "vp",      "g",        "o",         "s",          "mg",      "usemtl",
-        "mtllib", "usemap", "maplib", "p",     "l",         "lod",        "bevel",   "c_interp",
+        "vt",       "vn",         "vp",        "g",     "o",     "s",   "mg",    "usemtl",
+        "mtllib",   "usemap",     "maplib",    "p",     "l",     "lod", "bevel", "c_interp",
         "d_interp", "shadow_obj", "trace_obj", "ctech", "stech", "call"};
     Draft draft;
     Place place{path};
@@ -197,7 +203,8 @@ Draft read_obj(std::string_view text, const fs::path& path) {
                                        words.size() - 1, triangulate));
             }
             std::array<std::int64_t, 3> corners{};
-            for (std::size_t i = 0; i < 3; ++i) corners[i] = obj_corner(words[i + 1], draft.positions.size(), place);
+            for (std::size_t i = 0; i < 3; ++i)
+                corners[i] = obj_corner(words[i + 1], draft.positions.size(), place);
             draft.triangles.push_back(corners);
             draft.lines.push_back(place.line);
         } else if (std::find(ignored.begin(), ignored.end(), words[0]) == ignored.end()) {
@@ -244,10 +251,10 @@ std::size_t bytes_of(Number type) {
 
 Number ply_type(std::string_view name, const Place& place) {
     static const std::map<std::string, Number, std::less<>> types{
-        {"char", Number::i8},    {"int8", Number::i8},      {"uchar", Number::u8},   {"uint8", Number::u8},
-        {"short", Number::i16},  {"int16", Number::i16},    {"ushort", Number::u16}, {"uint16", Number::u16},
-        {"int", Number::i32},    {"int32", Number::i32},    {"uint", Number::u32},   {"uint32", Number::u32},
-        {"float", Number::f32},  {"float32", Number::f32},  {"double", Number::f64}, {"float64", Number::f64}};
+        {"char", Number::i8},   {"int8", Number::i8},     {"uchar", Number::u8},   {"uint8", Number::u8},
+        {"short", Number::i16}, {"int16", Number::i16},   {"ushort", Number::u16}, {"uint16", Number::u16},
+        {"int", Number::i32},   {"int32", Number::i32},   {"uint", Number::u32},   {"uint32", Number::u32},
+        {"float", Number::f32}, {"float32", Number::f32}, {"double", Number::f64}, {"float64", Number::f64}};
     const auto found = types.find(name);
     if (found == types.end()) place.fail(quoted(name) + " is no type of a PLY property");
     return found->second;
@@ -313,7 +320,8 @@ class PlyBody {
 
   private:
     [[noreturn]] void end_reached(const PlyElement& element, std::size_t index) const {
-        place_.fail(fmt::format("ends at {} {} of {} (counted from 0): cut short", element.name, index, element.size));
+        place_.fail(fmt::format("ends at {} {} of {} (counted from 0): cut short", element.name, index,
+                                element.size));
     }
     std::string_view next_word() {
         if (word_ == words_.size()) {
@@ -328,7 +336,8 @@ class PlyBody {
         std::memcpy(bytes.data(), rest_.data(), sizeof(T));
         rest_.remove_prefix(sizeof(T));
         const bool file_is_little = format_ == PlyFormat::little;
-        if (file_is_little != (std::endian::native == std::endian::little)) std::reverse(bytes.begin(), bytes.end());
+        if (file_is_little != (std::endian::native == std::endian::little))
+            std::reverse(bytes.begin(), bytes.end());
         return std::bit_cast<T>(bytes);
     }
 
@@ -365,10 +374,12 @@ Draft read_ply(std::string_view text, const fs::path& path) {
             if (size < 0) place.fail("a negative number of " + std::string(words[1]));
             elements.push_back({std::string(words[1]), static_cast<std::size_t>(size), {}});
         } else if (words[0] == "property" && !elements.empty() && words.size() == 3) {
-            elements.back().properties.push_back({std::string(words[2]), std::nullopt, ply_type(words[1], place)});
+            elements.back().properties.push_back(
+                {std::string(words[2]), std::nullopt, ply_type(words[1], place)});
         } else if (words[0] == "property" && !elements.empty() && words.size() == 5 && words[1] == "list") {
             const Number count = ply_type(words[2], place);
-            if (count == Number::f32 || count == Number::f64) place.fail("a list's length is no whole number");
+            if (count == Number::f32 || count == Number::f64)
+                place.fail("a list's length is no whole number");
             elements.back().properties.push_back({std::string(words[4]), count, ply_type(words[3], place)});
         } else {
             place.fail(quoted(words[0]) + " begins no line of a PLY header, or has other words behind it");
@@ -387,13 +398,15 @@ Draft read_ply(std::string_view text, const fs::path& path) {
             least += *format == PlyFormat::ascii ? 2 : bytes_of(p.count.value_or(p.type));
             for (std::size_t k = 0; k < 3; ++k) axes[k] = axes[k] || p.name == std::string(1, "xyz"[k]);
             const bool corners = p.name == "vertex_indices" || p.name == "vertex_index";
-            corners_named = corners_named || (corners && p.count && p.type != Number::f32 && p.type != Number::f64);
+            corners_named =
+                corners_named || (corners && p.count && p.type != Number::f32 && p.type != Number::f64);
         }
         if (vertices && !(axes[0] && axes[1] && axes[2])) place.fail("the vertices lack one of x, y, z");
         if (faces && element.size > 0 && !corners_named) place.fail("the faces have no list vertex_indices");
         // A wrong size must not ask for memory that the file cannot fill.
         if (element.size > 0 && (least == 0 || element.size > body.size_left() / least + 1)) {
-            place.fail(fmt::format("promises {} of {}, more than the file holds: cut short", element.size, element.name));
+            place.fail(fmt::format("promises {} of {}, more than the file holds: cut short", element.size,
+                                   element.name));
         }
         for (std::size_t i = 0; i < element.size; ++i) {
             body.begin_entry(element, i);
@@ -404,14 +417,17 @@ Draft read_ply(std::string_view text, const fs::path& path) {
                     if (!vertices) continue;
                     const std::size_t axis = std::string_view("xyz").find(p.name);
                     if (p.name.size() != 1 || axis == std::string_view::npos) continue;
-                    if (!std::isfinite(value)) body.place().fail(fmt::format("{} of vertex {} (counted from 0) is not a finite number", p.name, i));
+                    if (!std::isfinite(value))
+                        body.place().fail(fmt::format(
+                            "{} of vertex {} (counted from 0) is not a finite number", p.name, i));
                     position[axis] = value;
                     continue;
                 }
                 const std::int64_t length = body.integer(*p.count, element, i);
                 const bool corners = faces && (p.name == "vertex_indices" || p.name == "vertex_index");
                 if (corners && length != 3) {
-                    body.place().fail(fmt::format("face {} (counted from 0) has {} corners; {}", i, length, triangulate));
+                    body.place().fail(
+                        fmt::format("face {} (counted from 0) has {} corners; {}", i, length, triangulate));
                 }
                 if (length < 0) body.place().fail("a list of negative length");
                 std::array<std::int64_t, 3> triangle{};
@@ -437,7 +453,8 @@ Draft read_ply(std::string_view text, const fs::path& path) {
 // ---------------------------------------------------------------- other formats
 
 /// Appends the meshes of a node and of those below it, moved to where the nodes stand.
-void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent, const Place& place, Draft& draft) {
+void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent, const Place& place,
+            Draft& draft) {
     Eigen::Matrix4d local;
     for (unsigned r = 0; r < 4; ++r) {
         for (unsigned c = 0; c < 4; ++c) local(r, c) = node.mTransformation[r][c];
@@ -489,7 +506,8 @@ Draft read_other(const fs::path& path, const std::string& extension) {
     const Place place{path};
     Assimp::Importer importer;
     if (!importer.IsExtensionSupported(extension)) {
-        place.fail("\"" + extension + "\" is no format of a mesh that can be read; OBJ, PLY, STL and glTF are some");
+        place.fail("\"" + extension +
+                   "\" is no format of a mesh that can be read; OBJ, PLY, STL and glTF are some");
     }
     const aiScene* scene = importer.ReadFile(path.string(), 0);
     if (scene == nullptr || scene->mRootNode == nullptr) {
@@ -535,10 +553,11 @@ void write_mesh(const MeshData& mesh, MeshFormat format, const fs::path& path) {
     const auto out = std::back_inserter(text);
     const bool obj = format == MeshFormat::obj;
     if (!obj) {
-        fmt::format_to(out,
-                       "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
-                       "property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-                       mesh.positions.rows(), mesh.triangles.rows());
+        fmt::format_to(
+            out,
+            "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+            "property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+            mesh.positions.rows(), mesh.triangles.rows());
     }
     for (Eigen::Index i = 0; i < mesh.positions.rows(); ++i) {
         fmt::format_to(out, "{}{:.17g} {:.17g} {:.17g}\n", obj ? "v " : "", mesh.positions(i, 0),

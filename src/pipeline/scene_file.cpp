@@ -1,8 +1,10 @@
 #include "pipeline/scene_file.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -24,6 +26,14 @@ namespace fs = std::filesystem;
 
 // ---------------------------------------------------------------- values
 
+/// A message is one line, whatever text a file or an argument holds.
+[[noreturn]] void refuse_scene(std::string message) {
+    for (char& c : message) {
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    }
+    throw Error(ExitCode::invalid_scene, message);
+}
+
 /// A value that does not fit its key; `what` says what would be right.
 struct BadValue {
     std::string what;
@@ -31,13 +41,20 @@ struct BadValue {
 
 std::string type_name(const toml::node& node) {
     switch (node.type()) {
-        case toml::node_type::table: return "a table";
-        case toml::node_type::array: return "an array";
-        case toml::node_type::string: return "a string";
-        case toml::node_type::integer: return "a whole number";
-        case toml::node_type::floating_point: return "a number";
-        case toml::node_type::boolean: return "a boolean";
-        default: return "a date or time";
+        case toml::node_type::table:
+            return "a table";
+        case toml::node_type::array:
+            return "an array";
+        case toml::node_type::string:
+            return "a string";
+        case toml::node_type::integer:
+            return "a whole number";
+        case toml::node_type::floating_point:
+            return "a number";
+        case toml::node_type::boolean:
+            return "a boolean";
+        default:
+            return "a date or time";
     }
 }
 
@@ -106,7 +123,7 @@ struct Value<std::string> {
         std::string text = "\"";
         for (char c : value) {
             if (c == '"' || c == '\\') text += '\\';
-            if (static_cast<unsigned char>(c) < 0x20) {
+            if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
                 text += fmt::format("\\u{:04x}", static_cast<int>(c));
             } else {
                 text += c;
@@ -169,7 +186,8 @@ template <>
 struct Value<DragDesc::Key> {
     static DragDesc::Key read(const toml::node& node) {
         const toml::array& array = array_of(node, 3, "[time, x, y]");
-        return {Value<double>::read(array[0]), {Value<double>::read(array[1]), Value<double>::read(array[2])}};
+        return {Value<double>::read(array[0]),
+                {Value<double>::read(array[1]), Value<double>::read(array[2])}};
     }
     static std::string write(const DragDesc::Key& key) {
         return Value<Vec3>::write(Vec3(key.time, key.pixel.x(), key.pixel.y()));
@@ -190,6 +208,23 @@ struct Value<Resolution> {
     static std::string write(const Resolution& r) { return Value<std::array<int, 2>>::write(r.count); }
 };
 
+/// A cloth by its name, or by its index counted from 0.
+struct ClothReference {
+    std::string name;
+    int index = -1;  ///< used where the name is empty
+};
+template <>
+struct Value<ClothReference> {
+    static ClothReference read(const toml::node& node) {
+        if (node.is_integer()) return {"", Value<int>::read(node)};
+        if (!node.is_string()) wrong_type(node, "a cloth's name or its index");
+        return {Value<std::string>::read(node)};
+    }
+    static std::string write(const ClothReference& r) {
+        return r.name.empty() ? std::to_string(r.index) : Value<std::string>::write(r.name);
+    }
+};
+
 /// "640x360" or [640, 360].
 struct PixelSize {
     int width, height;
@@ -203,13 +238,21 @@ struct Value<PixelSize> {
             size = {pair[0], pair[1]};
         } else {
             const std::string text = node.is_string() ? *node.value<std::string>() : "";
-            char rest = 0;
-            if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2) {
-                wrong_type(node, "\"WIDTHxHEIGHT\" or [width, height]");
-            }
+            const std::size_t x = text.find('x');
+            const auto side = [&](const std::string& digits) {
+                if (digits.empty() || digits.size() > 9 ||
+                    digits.find_first_not_of("0123456789") != digits.npos) {
+                    throw BadValue{fmt::format("is {}; must be \"WIDTHxHEIGHT\" or [width, height]",
+                                               node.is_string() ? '"' + text + '"' : type_name(node))};
+                }
+                return std::stoi(digits);
+            };
+            size.width = side(text.substr(0, x));
+            size.height = side(x == text.npos ? "" : text.substr(x + 1));
         }
         for (int side : {size.width, size.height}) {
-            if (side < 16 || side > 8192) throw BadValue{fmt::format("has a side of {} pixel; must be 16 … 8192", side)};
+            if (side < 16 || side > 8192)
+                throw BadValue{fmt::format("has a side of {} pixel; must be 16 … 8192", side)};
         }
         return size;
     }
@@ -241,7 +284,8 @@ struct Value<Color> {
             return color;
         }
         const std::string text = node.is_string() ? *node.value<std::string>() : "";
-        if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != text.npos) {
+        if (text.size() != 7 || text[0] != '#' ||
+            text.find_first_not_of("0123456789abcdefABCDEF", 1) != text.npos) {
             wrong_type(node, wanted);
         }
         const long rgb = std::strtol(text.c_str() + 1, nullptr, 16);
@@ -329,8 +373,8 @@ Field choice(const char* key, const char* help, E& target, const Names<E>& names
                 }
                 const std::string near = nearest_word(text, known);
                 throw BadValue{near.empty() ? fmt::format("is \"{}\"; must be one of {}", text, join(known))
-                                            : fmt::format("is \"{}\"; did you mean \"{}\"? (one of {})", text, near,
-                                                          join(known))};
+                                            : fmt::format("is \"{}\"; did you mean \"{}\"? (one of {})", text,
+                                                          near, join(known))};
             },
             [&target, names] {
                 for (const auto& [name, value] : names) {
@@ -357,12 +401,15 @@ Field choice(const char* key, const char* help, std::optional<E>& target, const 
             }};
 }
 
-const Names<IntegratorKind> integrator_names{{"linearly_implicit_euler", IntegratorKind::linearly_implicit_euler},
-                                             {"implicit_euler", IntegratorKind::implicit_euler}};
-const Names<HessianKind> hessian_names{{"assignment", HessianKind::assignment}, {"projected", HessianKind::projected}};
+const Names<IntegratorKind> integrator_names{
+    {"linearly_implicit_euler", IntegratorKind::linearly_implicit_euler},
+    {"implicit_euler", IntegratorKind::implicit_euler}};
+const Names<HessianKind> hessian_names{{"assignment", HessianKind::assignment},
+                                       {"projected", HessianKind::projected}};
 const Names<ContactKind> contact_names{{"velocity_filter", ContactKind::velocity_filter},
                                        {"penalty", ContactKind::penalty}};
-const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform}, {"alternating", Diagonals::alternating}};
+const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform},
+                                      {"alternating", Diagonals::alternating}};
 const Names<Shape> shape_names{{"sphere", Shape::sphere}, {"plane", Shape::plane}};
 const Names<Switch> switch_names{{"on", Switch::on}, {"off", Switch::off}, {"toggle", Switch::toggle}};
 
@@ -407,28 +454,35 @@ struct ClothEntry {
     Fields fields() {
         return Fields{field("name", "", "by which pins refer to it", desc.name),
                       field("size", "m", "of a grid: [along x, along y]", size),
-                      field("resolution", "", "of a grid: vertices per side, one number or [along x, along y]",
-                            resolution),
+                      field("resolution", "",
+                            "of a grid: vertices per side, one number or [along x, along y]", resolution),
                       choice("diagonals", "of a grid: how squares are cut", diagonals, diagonal_names),
                       field("mesh", "file", "rest shape, instead of a grid", mesh),
                       field("pose", "file", "mesh of the start positions; default: the rest shape", pose),
                       field("scale", "", "of the start pose", desc.transform.scale),
                       field("rotate", "degree", "of the start pose, about fixed x, then y, then z",
                             desc.transform.rotate),
-                      field("translate", "m", "of the start pose, after scale and rotate", desc.transform.translate),
+                      field("translate", "m", "of the start pose, after scale and rotate",
+                            desc.transform.translate),
                       field("velocity", "m/s", "at the start, of the free vertices", desc.velocity),
-                      field("bump", "m", "height of a smooth out-of-plane offset of the start pose", desc.bump)} +
+                      field("bump", "m", "height of a smooth out-of-plane offset of the start pose",
+                            desc.bump)} +
                look.fields();
     }
     Fields fabric_fields() {
         Fabric& f = desc.fabric;
-        return {field("density", "kg/m²", "mass per area", f.density),
-                field("thickness", "m", "multiplies the membrane's moduli", f.thickness),
-                field("young_modulus", "Pa", "in-plane", f.young_modulus),
-                field("poisson_ratio", "", "in-plane, plane stress", f.poisson_ratio),
-                field("mu", "Pa", "handed to the membrane as it is, with lambda, instead of the two above", f.mu),
-                field("lambda", "Pa", "see mu", f.lambda),
-                field("bending", "N m", "bending rigidity", f.bending)};
+        const auto unless_mu = [&f](Field plain) {
+            plain.write = [&f, write = plain.write] { return f.mu ? std::string() : write(); };
+            return plain;
+        };
+        return {
+            field("density", "kg/m²", "mass per area", f.density),
+            field("thickness", "m", "multiplies the membrane's moduli", f.thickness),
+            unless_mu(field("young_modulus", "Pa", "in-plane", f.young_modulus)),
+            unless_mu(field("poisson_ratio", "", "in-plane, plane stress", f.poisson_ratio)),
+            field("mu", "Pa", "handed to the membrane as it is, with lambda, instead of the two above", f.mu),
+            field("lambda", "Pa", "see mu", f.lambda),
+            field("bending", "N m", "bending rigidity", f.bending)};
     }
 };
 
@@ -437,28 +491,29 @@ struct ColliderEntry {
     LookEntry look{.color = {Vec3(0.35, 0.42, 0.5)}, .back_color = {}, .roughness = 0.35, .specular = 0.05};
 
     Fields fields() {
-        return Fields{field("name", "", "by which events refer to it", desc.name),
-                      choice("shape", "of the collider", desc.shape, shape_names),
-                      field("center", "m", "centre of a sphere, a point on a plane", desc.center),
-                      field("normal", "", "of a plane, outward", desc.normal),
-                      field("radius", "m", "of a sphere, as drawn", desc.radius),
-                      field("contact_offset", "m", "contact begins this far outside the drawn surface",
-                            desc.contact_offset),
-                      field("contact_radius", "m", "of a sphere: contact begins here, instead of contact_offset",
-                            desc.contact_radius),
-                      field("friction", "", "Coulomb coefficient", desc.friction),
-                      field("enabled", "", "whether it is on at the start", desc.enabled),
-                      field("drawn", "", "whether pictures show it (while it is on)", desc.drawn)} +
+        return Fields{
+                   field("name", "", "by which events refer to it", desc.name),
+                   choice("shape", "of the collider", desc.shape, shape_names),
+                   field("center", "m", "centre of a sphere, a point on a plane", desc.center),
+                   field("normal", "", "of a plane, outward", desc.normal),
+                   field("radius", "m", "of a sphere, as drawn", desc.radius),
+                   field("contact_offset", "m", "contact begins this far outside the drawn surface",
+                         desc.contact_offset),
+                   field("contact_radius", "m", "of a sphere: contact begins here, instead of contact_offset",
+                         desc.contact_radius),
+                   field("friction", "", "Coulomb coefficient", desc.friction),
+                   field("enabled", "", "whether it is on at the start", desc.enabled),
+                   field("drawn", "", "whether pictures show it (while it is on)", desc.drawn)} +
                look.fields();
     }
 };
 
 struct PinEntry {
     PinDesc desc;
-    std::optional<std::string> cloth;
+    std::optional<ClothReference> cloth;
     std::optional<std::vector<int>> vertices;
     Fields fields() {
-        return {field("cloth", "name", "which cloth; default: the first", cloth),
+        return {field("cloth", "", "name or index of the cloth; default: the first", cloth),
                 field("vertices", "", "indices into the cloth's vertices", vertices),
                 field("box", "m", "[[x, y, z], [x, y, z]]: lower and upper corner, start pose", desc.box),
                 field("nearest", "m", "the vertex nearest this point of the start pose", desc.nearest),
@@ -470,7 +525,8 @@ struct PinEntry {
 struct DragEntry {
     DragDesc desc;
     Fields fields() {
-        return {field("path", "s, pixel", "[[time, x, y], …]: pressed at the first, let go at the last", desc.path),
+        return {field("path", "s, pixel", "[[time, x, y], …]: pressed at the first, let go at the last",
+                      desc.path),
                 field("radius", "m", "vertices this near the picked one are picked too", desc.radius),
                 field("stiffness", "N/m", "of each spring", desc.stiffness),
                 field("viewport", "pixel", "the window that the pixels refer to", desc.viewport)};
@@ -493,7 +549,8 @@ struct CameraEntry {
     Vec3 position{0.0, 0.3, 2.5}, target{0.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
     double field_of_view = 35.0;
     Fields fields() {
-        return {field("position", "m", "of the eye", position), field("target", "m", "what it looks at", target),
+        return {field("position", "m", "of the eye", position),
+                field("target", "m", "what it looks at", target),
                 field("up", "", "direction that is up in the picture", up),
                 field("field_of_view", "degree", "vertical", field_of_view)};
     }
@@ -524,15 +581,20 @@ struct GroundEntry {
     double height = 0.0;
     Color color{Vec3(0.78, 0.78, 0.78)};
     Fields fields() {
-        return {field("height", "m", "y of the floor", height), field("color", "sRGB", "of the floor", color)};
+        return {field("height", "m", "y of the floor", height),
+                field("color", "sRGB", "of the floor", color)};
     }
 };
 
 struct BackgroundEntry {
     Color color{Vec3(0.87, 0.89, 0.91)}, sky{Vec3(0.86, 0.9, 0.95)};
     double exposure = 1.0;
+    bool ambient_occlusion = render::View{}.ambient_occlusion;
     Fields fields() {
-        return {field("color", "sRGB", "behind everything", color), field("sky", "sRGB", "light from above", sky),
+        return {field("color", "sRGB", "behind everything", color),
+                field("sky", "sRGB", "light from above", sky),
+                field("ambient_occlusion", "", "folds and corners get less of the sky's light",
+                      ambient_occlusion),
                 field("exposure", "", "factor on all light", exposure)};
     }
 };
@@ -560,19 +622,20 @@ struct Document {
     }
     Fields simulation_fields() {
         SimulationDesc& s = scene.simulation;
-        return {field("gravity", "m/s²", "acceleration", s.gravity),
-                field("frame_rate", "1/s", "frame k stands at time k / frame_rate", s.frame_rate),
-                field("time_step", "s", "longest step; a frame is cut into the fewest equal ones", s.time_step),
-                field("substeps", "", "steps per frame, instead of time_step", s.substeps),
-                choice("integrator", "how a step is made", s.integrator, integrator_names),
-                choice("hessian", "of linearly_implicit_euler", s.hessian, hessian_names),
-                choice("contact", "how cloth meets colliders", s.contact, contact_names),
-                field("contact_stiffness", "N/m", "of contact = \"penalty\", per vertex", s.contact_stiffness),
-                field("sliding_speed", "m/s", "of contact = \"penalty\": friction is in full force above it",
-                      s.sliding_speed),
-                field("newton_iterations", "", "most of one implicit_euler step", s.newton_iterations),
-                field("newton_tolerance", "", "residual at which implicit_euler stops, against the step's start",
-                      s.newton_tolerance)};
+        return {
+            field("gravity", "m/s²", "acceleration", s.gravity),
+            field("frame_rate", "1/s", "frame k stands at time k / frame_rate", s.frame_rate),
+            field("time_step", "s", "longest step; a frame is cut into the fewest equal ones", s.time_step),
+            field("substeps", "", "steps per frame, instead of time_step", s.substeps),
+            choice("integrator", "how a step is made", s.integrator, integrator_names),
+            choice("hessian", "of linearly_implicit_euler", s.hessian, hessian_names),
+            choice("contact", "how cloth meets colliders", s.contact, contact_names),
+            field("contact_stiffness", "N/m", "of contact = \"penalty\", per vertex", s.contact_stiffness),
+            field("sliding_speed", "m/s", "of contact = \"penalty\": friction is in full force above it",
+                  s.sliding_speed),
+            field("newton_iterations", "", "most of one implicit_euler step", s.newton_iterations),
+            field("newton_tolerance", "", "residual at which implicit_euler stops, against the step's start",
+                  s.newton_tolerance)};
     }
     Fields output_fields() {
         return {field("size", "pixel", "of pictures and movie", size),
@@ -582,8 +645,9 @@ struct Document {
                 field("quality", "", "H.264 constant rate factor, 0 (lossless) … 51", output.quality)};
     }
     Fields expect_fields() {
-        return {field("state_tolerance", "m", "of golden states made by another build", expect.state_tolerance),
-                field("frames", "", "golden frames", expect.frames)};
+        return {
+            field("state_tolerance", "m", "of golden states made by another build", expect.state_tolerance),
+            field("frames", "", "golden frames", expect.frames)};
     }
 };
 
@@ -608,20 +672,20 @@ class Reader {
         try {
             root_ = toml::parse(text, label_);
         } catch (const toml::parse_error& error) {
-            throw Error(ExitCode::invalid_scene,
-                        fmt::format("{}:{}:{}: {}", label_, error.source().begin.line, error.source().begin.column,
-                                    error.description()));
+            refuse_scene(fmt::format("{}:{}:{}: {}", label_, error.source().begin.line,
+                                     error.source().begin.column, error.description()));
         }
     }
 
     void override_key(const std::string& setting) {
         const std::size_t equals = setting.find('=');
         if (equals == setting.npos || equals == 0) {
-            throw Error(ExitCode::usage, fmt::format("--set {}: must be KEY=VALUE", setting));
+            refuse_scene(fmt::format("--set {}: must be KEY=VALUE", setting));
         }
-        const std::string key = setting.substr(0, equals), text = setting.substr(equals + 1);
+        const std::string text = setting.substr(equals + 1);
+        const std::string key = setting.substr(0, setting.find_last_not_of(' ', equals - 1) + 1);
         auto refuse = [&](const std::string& message) {
-            throw Error(ExitCode::invalid_scene, fmt::format("--set {}: {}: {}", setting, key, message));
+            refuse_scene(fmt::format("--set {}: {}: {}", setting, key, message));
         };
 
         // a.b[2].c → steps "a", "b", 2, "c"; a list without an index means its first entry.
@@ -650,13 +714,19 @@ class Reader {
             if (last) {
                 if (list || index) refuse("names a whole table; name one of its keys");
                 path += (path.empty() ? "" : ".") + name;
-                set_value(*table, name, text);
+                if (text.find_first_not_of(' ') == text.npos) refuse("has no value");
+                try {
+                    set_value(*table, name, text);
+                } catch (const toml::parse_error&) {
+                    refuse("has a value that is not UTF-8 text");
+                }
                 remove_alternatives(*table, plain, name);
                 break;
             }
             if (list) {
                 const std::size_t wanted = index.value_or(0);
-                if (plain == "light" && !table->contains(name)) table->insert(name, toml::array{toml::table{}});
+                if (plain == "light" && !table->contains(name))
+                    table->insert(name, toml::array{toml::table{}});
                 if (plain == "light" && table->get(name)->is_table()) {
                     table = table->get_as<toml::table>(name);
                 } else {
@@ -692,9 +762,10 @@ class Reader {
             try {
                 found->read(node);
             } catch (const BadValue& bad) {
-                fail_at(node.source(), full, bad.what + (found->unit.empty() || found->unit.find(',') != found->unit.npos
-                                                             ? ""
-                                                             : " [" + found->unit + "]"));
+                fail_at(node.source(), full,
+                        bad.what + (found->unit.empty() || found->unit.find(',') != found->unit.npos
+                                        ? ""
+                                        : " [" + found->unit + "]"));
             }
         }
     }
@@ -702,7 +773,8 @@ class Reader {
     const toml::table* table(const std::string& key) {
         const toml::node* node = root_.get(key);
         if (!node) return nullptr;
-        if (!node->is_table()) fail_at(node->source(), key, "is " + type_name(*node) + "; must be a table, [" + key + "]");
+        if (!node->is_table())
+            fail_at(node->source(), key, "is " + type_name(*node) + "; must be a table, [" + key + "]");
         return node->as_table();
     }
 
@@ -713,14 +785,16 @@ class Reader {
         if (const toml::array* array = node->as_array()) {
             for (const toml::node& entry : *array) {
                 if (!entry.is_table()) {
-                    fail_at(entry.source(), key, "is " + type_name(entry) + "; must be a table, [[" + key + "]]");
+                    fail_at(entry.source(), key,
+                            "is " + type_name(entry) + "; must be a table, [[" + key + "]]");
                 }
                 tables.push_back(entry.as_table());
             }
         } else if (key == "light" && node->is_table()) {
             tables.push_back(node->as_table());
         } else {
-            fail_at(node->source(), key, "is " + type_name(*node) + "; must be a list of tables, [[" + key + "]]");
+            fail_at(node->source(), key,
+                    "is " + type_name(*node) + "; must be a list of tables, [[" + key + "]]");
         }
         return tables;
     }
@@ -735,7 +809,8 @@ class Reader {
             const toml::node* next = nullptr;
             if (rest[0] == '[') {
                 const std::size_t close = rest.find(']');
-                if (node->is_array()) next = node->as_array()->get(std::strtoul(rest.c_str() + 1, nullptr, 10));
+                if (node->is_array())
+                    next = node->as_array()->get(std::strtoul(rest.c_str() + 1, nullptr, 10));
                 rest = close == rest.npos ? "" : rest.substr(close + 1);
             } else {
                 if (node->is_table()) next = node->as_table()->get(name);
@@ -760,7 +835,8 @@ class Reader {
     const toml::table& root() const { return root_; }
 
   private:
-    [[noreturn]] void fail_at(const toml::source_region& place, const std::string& key, const std::string& message) {
+    [[noreturn]] void fail_at(const toml::source_region& place, const std::string& key,
+                              const std::string& message) {
         // Longest overridden key that is this one or holds it.
         std::string owner;
         for (const auto& [path, setting] : overridden_) {
@@ -769,11 +845,10 @@ class Reader {
             if (same && (owner.empty() || path.size() > owner.size())) owner = path;
         }
         if (!owner.empty()) {
-            throw Error(ExitCode::invalid_scene, fmt::format("--set {}: {}: {}", overridden_[owner], key, message));
+            refuse_scene(fmt::format("--set {}: {}: {}", overridden_[owner], key, message));
         }
-        throw Error(ExitCode::invalid_scene,
-                    fmt::format("{}:{}:{}: {}: {}", label_, std::max<unsigned>(1, place.begin.line),
-                                std::max<unsigned>(1, place.begin.column), key, message));
+        refuse_scene(fmt::format("{}:{}:{}: {}: {}", label_, std::max<unsigned>(1, place.begin.line),
+                                 std::max<unsigned>(1, place.begin.column), key, message));
     }
 
     [[noreturn]] void unknown_key(const toml::key& toml_key, const std::string& full, const std::string& key,
@@ -785,7 +860,8 @@ class Reader {
         if (near.empty()) {
             message += "known here: " + join(known);
         } else {
-            const auto f = std::find_if(fields.begin(), fields.end(), [&](const Field& g) { return g.key == near; });
+            const auto f =
+                std::find_if(fields.begin(), fields.end(), [&](const Field& g) { return g.key == near; });
             const bool unit = f != fields.end() && !f->unit.empty() && f->unit.find(',') == f->unit.npos;
             message += fmt::format("did you mean \"{}\"{}?", near, unit ? " [" + f->unit + "]" : "");
         }
@@ -796,13 +872,16 @@ class Reader {
         try {
             toml::table parsed = toml::parse("value = " + text);
             if (parsed.size() == 1 && parsed.contains("value")) {
-                parsed.get("value")->visit([&](auto& value) { table.insert_or_assign(key, std::move(value)); });
+                parsed.get("value")->visit(
+                    [&](auto& value) { table.insert_or_assign(key, std::move(value)); });
                 return;
             }
         } catch (const toml::parse_error&) {
             // A bare word is a string.
         }
-        table.insert_or_assign(key, text);
+        // Its text goes into `resolved`, which has to be UTF-8.
+        const toml::table parsed = toml::parse("value = " + Value<std::string>::write(text));
+        table.insert_or_assign(key, *parsed.get("value")->value<std::string>());
     }
 
     static void remove_alternatives(toml::table& table, const std::string& plain, const std::string& name) {
@@ -824,7 +903,9 @@ class Reader {
     std::map<std::string, std::string> overridden_;  ///< full key → KEY=VALUE as given
 };
 
-std::string entry(const char* table, std::size_t index) { return fmt::format("{}[{}]", table, index); }
+std::string entry(const char* table, std::size_t index) {
+    return fmt::format("{}[{}]", table, index);
+}
 
 template <class Entries>
 void require_distinct_names(Reader& reader, const char* table, const Entries& entries) {
@@ -853,8 +934,9 @@ int index_of(Reader& reader, const std::string& key, const std::string& name, co
 }
 
 void read_document(Reader& reader, Document& d) {
-    const std::vector<std::string> tables{"simulation", "cloth",  "collider", "pin",        "drag",  "event",
-                                          "camera",     "light",  "ground",   "background", "output", "expect"};
+    const std::vector<std::string> tables{"simulation", "cloth",      "collider", "pin",
+                                          "drag",       "event",      "camera",   "light",
+                                          "ground",     "background", "output",   "expect"};
     reader.read(reader.root(), "", d.top_fields(), tables);
     if (!reader.root().contains("version")) reader.fail("version", "is missing; write version = 1");
     if (d.version != 1) reader.fail("version", fmt::format("is {}; this program reads version 1", d.version));
@@ -871,6 +953,12 @@ void read_document(Reader& reader, Document& d) {
                 reader.fail(entry("cloth", i) + ".fabric", "is " + type_name(*fabric) + "; must be a table");
             }
             reader.read(*fabric->as_table(), entry("cloth", i) + ".fabric", c.fabric_fields());
+            for (const char* key : {"young_modulus", "poisson_ratio"}) {
+                if (fabric->as_table()->contains(key) && (c.desc.fabric.mu || c.desc.fabric.lambda)) {
+                    reader.fail(entry("cloth", i) + ".fabric." + key,
+                                "stands beside mu and lambda, which take its place; give one or the other");
+                }
+            }
         }
     }
     const auto colliders = reader.list("collider");
@@ -884,10 +972,12 @@ void read_document(Reader& reader, Document& d) {
     for (std::size_t i = 0; i < pins.size(); ++i) reader.read(*pins[i], entry("pin", i), d.pins[i].fields());
     const auto drags = reader.list("drag");
     d.drags.resize(drags.size());
-    for (std::size_t i = 0; i < drags.size(); ++i) reader.read(*drags[i], entry("drag", i), d.drags[i].fields());
+    for (std::size_t i = 0; i < drags.size(); ++i)
+        reader.read(*drags[i], entry("drag", i), d.drags[i].fields());
     const auto events = reader.list("event");
     d.events.resize(events.size());
-    for (std::size_t i = 0; i < events.size(); ++i) reader.read(*events[i], entry("event", i), d.events[i].fields());
+    for (std::size_t i = 0; i < events.size(); ++i)
+        reader.read(*events[i], entry("event", i), d.events[i].fields());
     if (const auto* t = reader.table("camera")) reader.read(*t, "camera", d.camera.fields());
     const auto lights = reader.list("light");
     if (lights.size() > 1) reader.fail("light[1]", "there is one light; a second cannot be given");
@@ -903,9 +993,10 @@ void read_document(Reader& reader, Document& d) {
 
 // ---------------------------------------------------------------- meaning
 
-MeshData load_mesh(Reader& reader, const std::string& key, const fs::path& path) {
+template <class Result>
+Result load(Reader& reader, const std::string& key, const fs::path& path, Result (*read)(const fs::path&)) {
     try {
-        return read_mesh(path);
+        return read(path);
     } catch (const Error& error) {
         reader.fail(key, error.what());
     }
@@ -917,16 +1008,17 @@ void resolve_cloths(Reader& reader, Document& d) {
         ClothEntry& c = d.cloths[i];
         const std::string key = entry("cloth", i);
         if (c.mesh) {
-            for (const auto& [given, name] : {std::pair{c.size.has_value(), "size"},
-                                              std::pair{c.resolution.has_value(), "resolution"},
-                                              std::pair{c.diagonals.has_value(), "diagonals"}}) {
+            for (const auto& [given, name] :
+                 {std::pair{c.size.has_value(), "size"}, std::pair{c.resolution.has_value(), "resolution"},
+                  std::pair{c.diagonals.has_value(), "diagonals"}}) {
                 if (given) {
-                    reader.fail(key + "." + name, "belongs to a grid, but the cloth has a mesh; give one of the two");
+                    reader.fail(key + "." + name,
+                                "belongs to a grid, but the cloth has a mesh; give one of the two");
                 }
             }
             const fs::path path = reader.find_file(*c.mesh);
             c.mesh = path.string();
-            c.desc.mesh = load_mesh(reader, key + ".mesh", path);
+            c.desc.mesh = load(reader, key + ".mesh", path, read_mesh);
         } else {
             if (c.size) c.desc.grid.size = *c.size;
             if (c.resolution) c.desc.grid.resolution = c.resolution->count;
@@ -938,7 +1030,7 @@ void resolve_cloths(Reader& reader, Document& d) {
         if (c.pose) {
             const fs::path path = reader.find_file(*c.pose);
             c.pose = path.string();
-            c.desc.pose = load_mesh(reader, key + ".pose", path).positions;
+            c.desc.pose = load(reader, key + ".pose", path, read_points);
         }
         d.scene.cloths.push_back(c.desc);
     }
@@ -949,9 +1041,19 @@ void resolve_references(Reader& reader, Document& d) {
     for (const ColliderEntry& c : d.colliders) d.scene.colliders.push_back(c.desc);
     for (std::size_t i = 0; i < d.pins.size(); ++i) {
         PinEntry& p = d.pins[i];
-        if (p.cloth) p.desc.cloth = index_of(reader, entry("pin", i) + ".cloth", *p.cloth, d.cloths, "cloth");
+        if (p.cloth && !p.cloth->name.empty()) {
+            p.desc.cloth = index_of(reader, entry("pin", i) + ".cloth", p.cloth->name, d.cloths, "cloth");
+        } else if (p.cloth) {
+            p.desc.cloth = p.cloth->index;
+            if (p.desc.cloth < 0 || static_cast<std::size_t>(p.desc.cloth) >= d.cloths.size()) {
+                reader.fail(entry("pin", i) + ".cloth",
+                            fmt::format("is {}; the scene has {} [[cloth]], counted from 0", p.desc.cloth,
+                                        d.cloths.size()));
+            }
+        }
         if (p.vertices) {
-            if (p.vertices->empty()) reader.fail(entry("pin", i) + ".vertices", "is empty; name at least one vertex");
+            if (p.vertices->empty())
+                reader.fail(entry("pin", i) + ".vertices", "is empty; name at least one vertex");
             p.desc.vertices = *p.vertices;
         }
         d.scene.pins.push_back(p.desc);
@@ -959,8 +1061,10 @@ void resolve_references(Reader& reader, Document& d) {
     for (std::size_t i = 0; i < d.events.size(); ++i) {
         EventEntry& e = d.events[i];
         const std::string key = entry("event", i);
-        if (e.collider) e.desc.collider = index_of(reader, key + ".collider", *e.collider, d.colliders, "collider");
-        if (e.action && !e.collider) reader.fail(key + ".action", "acts on a collider; name one with collider");
+        if (e.collider)
+            e.desc.collider = index_of(reader, key + ".collider", *e.collider, d.colliders, "collider");
+        if (e.action && !e.collider)
+            reader.fail(key + ".action", "acts on a collider; name one with collider");
         e.desc.action = e.action.value_or(Switch::toggle);
         if (e.integrator == "toggle") {
             e.desc.toggle_integrator = true;
@@ -979,9 +1083,11 @@ void resolve_references(Reader& reader, Document& d) {
     }
 }
 
-void check_range(Reader& reader, const std::string& key, double value, double low, double high, const char* unit) {
+void check_range(Reader& reader, const std::string& key, double value, double low, double high,
+                 const char* unit) {
     if (value >= low && value <= high) return;
-    reader.fail(key, fmt::format("is {:g}; must be {:g} … {:g}{}{}", value, low, high, *unit ? " " : "", unit));
+    reader.fail(key,
+                fmt::format("is {:g}; must be {:g} … {:g}{}{}", value, low, high, *unit ? " " : "", unit));
 }
 
 void check_looks(Reader& reader, Document& d) {
@@ -993,12 +1099,14 @@ void check_looks(Reader& reader, Document& d) {
     for (std::size_t i = 0; i < d.cloths.size(); ++i) check(entry("cloth", i), d.cloths[i].look);
     for (std::size_t i = 0; i < d.colliders.size(); ++i) check(entry("collider", i), d.colliders[i].look);
     const Vec3 gaze = d.camera.target - d.camera.position;
-    if (!(gaze.norm() > 1e-9)) reader.fail("camera.target", "is where the camera stands; it must lie elsewhere");
-    if (!(gaze.cross(d.camera.up).norm() > 1e-9 * gaze.norm() * d.camera.up.norm())) {
+    if (!(gaze.norm() > 1e-9))
+        reader.fail("camera.target", "is where the camera stands; it must lie elsewhere");
+    if (!(gaze.cross(d.camera.up).norm() > 1e-3 * gaze.norm() * d.camera.up.norm())) {
         reader.fail("camera.up", "points along the view; it must lie across it");
     }
-    check_range(reader, "camera.field_of_view", d.camera.field_of_view, 1.0, 170.0, "degree");
-    if (!(d.light.direction.norm() > 1e-9)) reader.fail("light[0].direction", "is zero; must point towards the light");
+    check_range(reader, "camera.field_of_view", d.camera.field_of_view, 1.0, 160.0, "degree");
+    if (!(d.light.direction.norm() > 1e-9))
+        reader.fail("light[0].direction", "is zero; must point towards the light");
     check_range(reader, "light[0].intensity", d.light.intensity, 0.0, 1e6, "");
     check_range(reader, "light[0].softness", d.light.softness, 0.0, 1.0, "m");
     check_range(reader, "background.exposure", d.background.exposure, 1e-6, 1e6, "");
@@ -1052,7 +1160,8 @@ std::string write_document(Document& d) {
     std::string text = write_fields(d.top_fields());
     text += "\n[simulation]\n" + write_fields(d.simulation_fields());
     for (ClothEntry& c : d.cloths) {
-        text += "\n[[cloth]]\n" + write_fields(c.fields()) + "\n[cloth.fabric]\n" + write_fields(c.fabric_fields());
+        text += "\n[[cloth]]\n" + write_fields(c.fields()) + "\n[cloth.fabric]\n" +
+                write_fields(c.fabric_fields());
     }
     for (ColliderEntry& c : d.colliders) text += "\n[[collider]]\n" + write_fields(c.fields());
     for (PinEntry& p : d.pins) text += "\n[[pin]]\n" + write_fields(p.fields());
@@ -1079,13 +1188,14 @@ std::vector<fs::path> scene_files() {
             if (file.path().extension() == ".toml") files.push_back(file.path());
         }
     }
-    std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) { return a.stem() < b.stem(); });
+    std::sort(files.begin(), files.end(),
+              [](const fs::path& a, const fs::path& b) { return a.stem() < b.stem(); });
     return files;
 }
 
 std::string read_text(const fs::path& path) {
     std::FILE* file = std::fopen(path.c_str(), "rb");
-    if (!file) throw Error(ExitCode::invalid_scene, fmt::format("{}: cannot be read", path.string()));
+    if (!file) refuse_scene(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(errno)));
     std::string text;
     char buffer[65536];
     for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;) text.append(buffer, n);
@@ -1113,11 +1223,13 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     try {
         validate(d.scene);
         for (std::size_t i = 0; i < d.scene.cloths.size(); ++i) {
-            if (d.scene.cloths[i].mesh) check_cloth_mesh(*d.scene.cloths[i].mesh, entry("cloth", i) + ".mesh");
+            if (d.scene.cloths[i].mesh)
+                check_cloth_mesh(*d.scene.cloths[i].mesh, entry("cloth", i) + ".mesh");
         }
         for (std::size_t i = 0; i < d.scene.pins.size(); ++i) {
             const ClothDesc& c = d.scene.cloths[d.scene.pins[i].cloth];
-            select_vertices(d.scene.pins[i], start_positions(c, c.mesh ? *c.mesh : make_grid(c.grid)), entry("pin", i));
+            select_vertices(d.scene.pins[i], start_positions(c, c.mesh ? *c.mesh : make_grid(c.grid)),
+                            entry("pin", i));
         }
     } catch (const SceneError& error) {
         reader.fail(error.key, error.what());
@@ -1147,7 +1259,9 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     file.view.background = d.background.color.linear();
     file.view.sky = d.background.sky.linear();
     file.view.exposure = static_cast<float>(d.background.exposure);
-    if (d.ground) file.ground = render::Ground{static_cast<float>(d.ground->height), d.ground->color.linear()};
+    file.view.ambient_occlusion = d.background.ambient_occlusion;
+    if (d.ground)
+        file.ground = render::Ground{static_cast<float>(d.ground->height), d.ground->color.linear()};
     for (const ClothEntry& c : d.cloths) file.cloth_looks.push_back(c.look.look());
     for (const ColliderEntry& c : d.colliders) file.collider_looks.push_back(c.look.look());
     file.resolved = write_document(d);
@@ -1167,16 +1281,16 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
         }
         if (path.empty()) {
             const std::string near = nearest_word(name_or_path, known);
-            throw Error(ExitCode::invalid_scene,
-                        fmt::format("unknown scene \"{}\"; {}known: {}", name_or_path,
-                                    near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), join(known)));
+            refuse_scene(fmt::format("unknown scene \"{}\"; {}(known: {})", name_or_path,
+                                     near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near),
+                                     join(known)));
         }
     }
     if (!fs::exists(path, ignored)) {
-        throw Error(ExitCode::invalid_scene, fmt::format("{}: there is no such scene file", path.string()));
+        refuse_scene(fmt::format("{}: there is no such scene file", path.string()));
     }
     if (fs::is_directory(path, ignored)) {
-        throw Error(ExitCode::invalid_scene, fmt::format("{}: is a folder; a scene is a .toml file", path.string()));
+        refuse_scene(fmt::format("{}: is a folder; a scene is a .toml file", path.string()));
     }
     return parse_scene(read_text(path), path.string(), fs::absolute(path).parent_path(), overrides);
 }

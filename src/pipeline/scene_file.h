@@ -1,6 +1,6 @@
 #pragma once
-// TOML → Scene + View. Strict: an unknown key, a wrong type or an impossible value is an error with file, line,
-// column and key, saying what would be right.
+// TOML → Scene + View. Strict: an unknown key, a wrong type or an impossible value is an error with file,
+// line, column and key, saying what would be right.
 
 #include <array>
 #include <filesystem>
@@ -19,10 +19,10 @@ struct Look {
 };
 
 struct OutputDesc {
-    int width = 1280, height = 720;   ///< of the pictures [pixel]
-    int frames = 300;                 ///< when the command line does not say
+    int width = 1280, height = 720;       ///< of the pictures [pixel]
+    int frames = 300;                     ///< when the command line does not say
     std::optional<double> playback_rate;  ///< frames per second of the movie; default: simulation frame rate
-    int quality = 18;                 ///< H.264 constant rate factor, 0 (lossless) … 51
+    int quality = 18;                     ///< H.264 constant rate factor, 0 (lossless) … 51
 };
 
 /// Portable tolerance of golden states, per scene.
@@ -33,24 +33,25 @@ struct ExpectDesc {
 };
 
 struct SceneFile {
-    std::string name;                 ///< file name without .toml
+    std::string name;  ///< file name without .toml
     std::string description;
     Scene scene;
-    render::View view;                ///< size, camera and light
+    render::View view;  ///< size, camera and light
     std::optional<render::Ground> ground;
-    std::vector<Look> cloth_looks;    ///< one per cloth
-    std::vector<Look> collider_looks; ///< one per collider
+    std::vector<Look> cloth_looks;     ///< one per cloth
+    std::vector<Look> collider_looks;  ///< one per collider
     OutputDesc output;
     ExpectDesc expect;
-    std::string resolved;             ///< TOML of this scene with every default written out; loads to the same
+    std::string resolved;  ///< TOML of this scene with every default written out; loads to the same
 };
 
-/// One `--set KEY=VALUE`; VALUE is a TOML value (a bare word counts as a string). `cloth.mesh` reaches the first
-/// entry of the table, `cloth[1].mesh` any other.
+/// One `--set KEY=VALUE`; VALUE is a TOML value (a bare word counts as a string). `cloth.mesh` reaches the
+/// first entry of the table, `cloth[1].mesh` any other.
 using Overrides = std::vector<std::string>;
 
-/// A scene by name (looked up in `scene_folders()`) or by path. Meshes are found relative to the scene file, then
-/// to the working folder. Throws Error(invalid_scene); an unknown name is answered with the nearest known one.
+/// A scene by name (looked up in `scene_folders()`) or by path. Meshes are found relative to the scene file,
+/// then to the working folder. Throws Error(invalid_scene); an unknown name is answered with the nearest
+/// known one.
 SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides = {});
 
 /// Loads TOML text; `label` stands for the file in messages, relative paths start at `folder`.
@@ -64,17 +65,5 @@ std::string key_reference();
 std::vector<std::filesystem::path> scene_folders();
 /// Name and description of every scene there, sorted by name.
 std::vector<std::array<std::string, 2>> list_scenes();
-
-/// One key that a scene file may hold.
-struct KeyDoc {
-    std::string table;    ///< as written in a scene file: "[simulation]", "[[cloth]]", "cloth.fabric"; "" at the top
-    std::string name, unit;
-    std::string default_value;  ///< TOML; empty where the key is absent unless given
-    std::string meaning;
-};
-/// Every key, table by table, in the order of the resolved scene.
-std::vector<KeyDoc> scene_keys();
-/// The same as text: a line per key under a heading per table.
-std::string key_reference();
 
 }  // namespace cloth::pipeline
