@@ -109,8 +109,6 @@ void watch_signals() {
     action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends the program at once
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
-    // A file size limit then shows as a write error with its cause.
-    std::signal(SIGXFSZ, SIG_IGN);
 }
 
 std::string clock_text(double seconds) {
@@ -165,6 +163,9 @@ class ProgressLine {
 
 /// The flags as --set lines, behind those that the user gave: a flag is the more deliberate of the two.
 Overrides overrides(const Arguments& args) {
+    for (const std::string& each : args.set)
+        if (each.find('=') == std::string::npos || each.front() == '=')
+            refuse(fmt::format("--set {}: give KEY=VALUE, as in cloth.resolution=40", each));
     Overrides list = args.set;
     if (!args.size.empty()) {
         const auto [width, height] = picture_size(args.size);
@@ -249,6 +250,7 @@ ExitCode conclude(const RunSummary& summary, const fs::path& out) {
 template <class Work>
 ExitCode with_progress(const Arguments& args, bool pictures, const fs::path& out, Work work) {
     RunSummary summary;
+    watch_signals();  // here only: elsewhere nothing asks whether to stop
     {
         ProgressLine line(pictures);
         RunOptions options;
@@ -451,7 +453,8 @@ ExitCode dispatch(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    watch_signals();
+    // A file size limit then shows as a write error with its cause.
+    std::signal(SIGXFSZ, SIG_IGN);
     ExitCode code = ExitCode::other;
     std::string line;
     try {

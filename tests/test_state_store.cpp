@@ -234,7 +234,6 @@ TEST_CASE("a folder that cannot be a run's is refused with the reason", "[state_
 }
 
 TEST_CASE("the build fingerprint names all that decides a state's bits", "[state_store]") {
-    CHECK_THAT(build_fingerprint(), Contains("12.") || Contains("g++") || Contains("clang"));
-    CHECK_THAT(build_fingerprint(),
-               Contains("-march=") && Contains("-O") && Contains("Eigen 3.") && Contains("state format"));
+    CHECK_THAT(build_fingerprint(), (Contains("g++ ") || Contains("clang ")) && Contains("-march=") &&
+                                        Contains("Eigen 3.") && Contains("state format"));
 }

@@ -183,12 +183,7 @@ std::string build_fingerprint() {
 #else
     const std::string compiler = "g++ " __VERSION__;
 #endif
-#if defined(__SANITIZE_ADDRESS__)
-    const char* sanitizer = " sanitized";
-#else
-    const char* sanitizer = "";
-#endif
-    return fmt::format("{}; {}{}; Eigen {}.{}.{}; state format {}", compiler, CLOTH_BUILD_FLAGS, sanitizer,
+    return fmt::format("{}; {}; Eigen {}.{}.{}; state format {}", compiler, CLOTH_BUILD_FLAGS,
                        EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, state_format);
 }
 
