@@ -22,11 +22,11 @@ struct Material {
 
 /// A triangle mesh. The spans must outlive draw().
 struct Surface {
-    std::span<const float> positions;           ///< x y z per vertex [m]
-    std::span<const float> normals;             ///< x y z per vertex, unit length
-    std::span<const std::uint32_t> triangles;   ///< three vertex indices per triangle
+    std::span<const float> positions;          ///< x y z per vertex [m]
+    std::span<const float> normals;            ///< x y z per vertex, unit length
+    std::span<const std::uint32_t> triangles;  ///< three vertex indices per triangle
     Material material;
-    bool two_sided = false;                     ///< lit on both sides (cloth)
+    bool two_sided = false;  ///< lit on both sides (cloth)
 };
 
 /// An endless horizontal floor that fades into the background.
@@ -43,20 +43,22 @@ struct Frame {
 struct Light {
     Float3 direction{0.4f, 1.0f, 0.5f};  ///< from the scene towards the light; any length but zero
     Float3 color{1.0f, 0.97f, 0.92f};    ///< linear
-    float intensity = 2.6f;              ///< irradiance on a facing plane, in units where π·reflectance⁻¹ is white
+    float intensity = 2.6f;  ///< irradiance on a facing plane, in units where π·reflectance⁻¹ is white
     bool shadow = true;
+    float softness = 0.012f;  ///< half the width of a shadow's edge [m]
 };
 
 struct View {
-    int width = 1280, height = 720;     ///< [pixel]
-    Float3 eye{0.0f, 0.0f, 3.0f};       ///< [m]
-    Float3 target{0.0f, 0.0f, 0.0f};    ///< [m]
+    int width = 1280, height = 720;   ///< [pixel]
+    Float3 eye{0.0f, 0.0f, 3.0f};     ///< [m]
+    Float3 target{0.0f, 0.0f, 0.0f};  ///< [m]
     Float3 up{0.0f, 1.0f, 0.0f};
-    float field_of_view = 35.0f;        ///< vertical [degree]
+    float field_of_view = 35.0f;  ///< vertical [degree]
     Light light;
-    Float3 sky{0.75f, 0.8f, 0.88f};     ///< light from above, linear
+    Float3 sky{0.75f, 0.8f, 0.88f};         ///< light from above, linear
     Float3 background{0.8f, 0.82f, 0.85f};  ///< linear
     float exposure = 1.0f;
+    bool ambient_occlusion = true;  ///< folds and the floor near objects get less of the sky's light
     /// Points (m) whose bounding box must lie inside the shadow map; empty: the frame's surfaces.
     std::optional<std::array<Float3, 2>> shadow_bounds;
 };

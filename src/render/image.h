@@ -29,11 +29,11 @@ Image read_png(const std::filesystem::path& path);
 /// How far two pictures of the same size are apart, over red, green and blue.
 struct ImageDifference {
     bool same_size = true;
-    int largest = 0;              ///< greatest difference of any channel, 0 … 255
-    double fraction_over_2 = 0;   ///< pixels with a channel off by more than 2
-    double fraction_over_32 = 0;  ///< pixels with a channel off by more than 32
-    double psnr = 0;              ///< [dB]; infinite where equal
-    int worst_x = 0, worst_y = 0; ///< place of `largest`
+    int largest = 0;               ///< greatest difference of any channel, 0 … 255
+    double fraction_over_2 = 0;    ///< pixels with a channel off by more than 2
+    double fraction_over_32 = 0;   ///< pixels with a channel off by more than 32
+    double psnr = 0;               ///< [dB]; infinite where equal
+    int worst_x = 0, worst_y = 0;  ///< place of `largest`
 };
 ImageDifference compare(const Image& a, const Image& b);
 
