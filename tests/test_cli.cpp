@@ -396,7 +396,7 @@ TEST_CASE("an odd size is kept in the pictures and padded in the movie", "[cli]"
                           .c_str()) == 0);
 }
 
-TEST_CASE("--fps changes the rate of the movie, and keeps time true where it runs true", "[cli]") {
+TEST_CASE("the flag --fps changes the rate of the movie, and keeps time true where it runs true", "[cli]") {
     const Workplace place;
     const auto rates = [&](const std::string& more) {
         REQUIRE(place.run("simulate " + base + "--frames 2 " + more).code == 0);
