@@ -96,6 +96,7 @@ void AmbientOcclusion::build(std::span<const Surface> surfaces, const Bounds& bo
     }
 
     for (const Surface& surface : surfaces) {
+        if (!surface.casts_shadow) continue;
         const auto corner = [&surface](std::size_t index) {
             const float* p = surface.positions.data() + std::size_t{3} * surface.triangles[index];
             return Float3{p[0], p[1], p[2]};

@@ -26,7 +26,8 @@ struct Surface {
     std::span<const float> normals;            ///< x y z per vertex, unit length
     std::span<const std::uint32_t> triangles;  ///< three vertex indices per triangle
     Material material;
-    bool two_sided = false;  ///< lit on both sides (cloth)
+    bool two_sided = false;    ///< lit on both sides (cloth)
+    bool casts_shadow = true;  ///< false for large floors and walls: they only receive it
 };
 
 /// An endless horizontal floor that fades into the background.
@@ -41,8 +42,8 @@ struct Frame {
 };
 
 struct Light {
-    Float3 direction{0.4f, 1.0f, 0.5f};  ///< from the scene towards the light; any length but zero
-    Float3 color{1.0f, 0.97f, 0.92f};    ///< linear
+    Float3 direction{-0.75f, 1.0f, 0.45f};  ///< from the scene towards the light; any length but zero
+    Float3 color{1.0f, 0.97f, 0.92f};       ///< linear
     float intensity = 2.6f;  ///< irradiance on a facing plane, in units where π·reflectance⁻¹ is white
     bool shadow = true;
     float softness = 0.012f;  ///< half the width of a shadow's edge [m]
@@ -55,11 +56,12 @@ struct View {
     Float3 up{0.0f, 1.0f, 0.0f};
     float field_of_view = 35.0f;  ///< vertical [degree]
     Light light;
-    Float3 sky{0.75f, 0.8f, 0.88f};         ///< light from above, linear
+    Float3 sky{0.44f, 0.47f, 0.53f};        ///< light from above, linear
     Float3 background{0.8f, 0.82f, 0.85f};  ///< linear
     float exposure = 1.0f;
     bool ambient_occlusion = true;  ///< folds and the floor near objects get less of the sky's light
-    /// Points (m) whose bounding box must lie inside the shadow map; empty: the frame's surfaces.
+    /// Two corners [m] of the box inside which surfaces cast shadows and occlude. Empty: that of the frame's
+    /// shadow-casting surfaces, widened a little so that it seldom changes from frame to frame.
     std::optional<std::array<Float3, 2>> shadow_bounds;
 };
 

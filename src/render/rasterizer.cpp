@@ -16,9 +16,9 @@ namespace cloth::render {
 namespace {
 
 constexpr int smallest_side = 16, largest_side = 8192;
-constexpr int supersampling = 2;  // along each axis; the shaders are written for 2
-constexpr int shadow_size = 1536;
-constexpr int surface_taps = 8, ground_taps = 24;
+constexpr int supersampling = 2;   // along each axis; the shaders are written for 2
+constexpr int shadow_size = 1024;  // its edges are softer than a texel of any greater one
+constexpr int surface_taps = 8, ground_taps = 24, settled_ground_taps = 8;
 constexpr int ground_occlusion_size = 64;
 // Radius over which the floor fades, in distances from eye to target.
 constexpr float ground_radius = 1.4f;
@@ -63,6 +63,9 @@ Matrix affine(const Float3& x, float ox, const Float3& y, float oy, const Float3
     return {x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, ox, oy, oz, 1};
 }
 
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr Bounds nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+
 Bounds merged(const Bounds& a, const Bounds& b) {
     Bounds r;
     for (int i = 0; i < 3; ++i) {
@@ -71,10 +74,31 @@ Bounds merged(const Bounds& a, const Bounds& b) {
     }
     return r;
 }
+/// Outwards to multiples of a sixteenth of the longest side, itself rounded up to a power of two. The grids
+/// laid over the bounds then stay in place from frame to frame, and so do the last bits of soft edges.
+Bounds widened(Bounds b) {
+    float longest = 1e-3f;
+    for (int i = 0; i < 3; ++i) longest = std::max(longest, b.high[i] - b.low[i]);
+    const float step = std::exp2(std::ceil(std::log2(longest))) / 16;
+    for (int i = 0; i < 3; ++i) {
+        b.low[i] = step * std::floor(b.low[i] / step);
+        b.high[i] = step * std::ceil(b.high[i] / step);
+    }
+    return b;
+}
 std::array<Float3, 8> corners(const Bounds& b) {
     std::array<Float3, 8> c{};
     for (int i = 0; i < 8; ++i)
         c[i] = {i & 1 ? b.high[0] : b.low[0], i & 2 ? b.high[1] : b.low[1], i & 4 ? b.high[2] : b.low[2]};
+    return c;
+}
+
+// As in the shader.
+Float3 tone_curve(const Float3& radiance) {
+    constexpr float knee = 0.6f;
+    Float3 c = radiance;
+    for (float& x : c)
+        if (x > knee) x = knee + (1 - knee) * (1 - std::exp(-(x - knee) / (1 - knee)));
     return c;
 }
 
@@ -125,8 +149,7 @@ Bounds checked_bounds(const Surface& surface, std::size_t number) {
         if (surface.triangles[i] >= vertices)
             refuse(name + "triangle " + std::to_string(i / 3) + " names vertex " +
                    std::to_string(surface.triangles[i]) + " of " + std::to_string(vertices));
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    Bounds b{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    Bounds b = nothing;
     for (std::size_t v = 0; v < vertices; ++v) {
         const Float3 p{surface.positions[3 * v], surface.positions[3 * v + 1], surface.positions[3 * v + 2]};
         if (!finite(p)) refuse(name + "the position of vertex " + std::to_string(v) + " is not finite");
@@ -188,8 +211,7 @@ ShadowView make_shadow_view(const Float3& to_light, const Bounds& bounds, float 
     const Float3 z = -1.0f * to_light;
     const Float3 x = normalized(std::abs(z[1]) < 0.999f ? cross({0, 1, 0}, z) : cross({0, 0, 1}, z));
     const Float3 y = cross(z, x);
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    Bounds b{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    Bounds b = nothing;
     for (const Float3& corner : corners(bounds)) {
         const Float3 p{dot(x, corner), dot(y, corner), dot(z, corner)};
         b = merged(b, {p, p});
@@ -507,7 +529,8 @@ void Rasterizer::Impl::draw_shadow_map(const Shot& shot) {
     if (!shot.shadow) return;
     depth_program.use();
     depth_program.set("world_to_clip", shot.shadow_view.world_to_clip);
-    for (std::size_t i = 0; i < shot.frame.surfaces.size(); ++i) draw_mesh(meshes[i]);
+    for (std::size_t i = 0; i < shot.frame.surfaces.size(); ++i)
+        if (shot.frame.surfaces[i].casts_shadow) draw_mesh(meshes[i]);
     gl.Flush();  // the driver's threads rasterize while this one computes occlusion
 }
 
@@ -536,7 +559,7 @@ void Rasterizer::Impl::draw_surfaces(const Shot& shot) {
     p.set("exposure", view.exposure);
     p.set("shadow_taps", shot.shadow ? surface_taps : 0);
     p.set("world_to_shadow", shot.shadow_view.world_to_texture);
-    p.set("shadow_radius", shot.shadow_view.radius, shot.shadow_view.radius);
+    p.set("shadow_radius", shot.shadow_view.radius);
     // Half a texel's diagonal, for the bilinear comparison, beyond the disc
     p.set("normal_offset", (shot.shadow_view.radius * shadow_size + 1.5f) * shot.shadow_view.texel);
     for (std::size_t i = 0; i < shot.frame.surfaces.size(); ++i) {
@@ -575,22 +598,25 @@ void Rasterizer::Impl::set_resolve_uniforms(Program& p, const Shot& shot) {
     const float radius = ground_radius * length(view.target - view.eye);
     p.set("ground_fade", 1 / (radius * radius));
     const Float3 color = view.exposure * ground.color;
-    p.set("ground_lit", std::max(shot.to_light[1], 0.0f) * (color * shot.key));
-    p.set("ground_ambient", color * view.sky);
+    const Float3 lit = std::max(shot.to_light[1], 0.0f) * (color * shot.key), ambient_part = color * view.sky;
+    p.set("ground_lit", lit);
+    p.set("ground_ambient", ambient_part);
+    p.set("ground_open", tone_curve(lit + ambient_part));
 }
 
 void Rasterizer::Impl::resolve(const Shot& shot) {
     const int width = shot.view.width, height = shot.view.height;
-    resize(picture, width, height, GL_RGBA8, 0);
+    resize(picture, width, height, GL_RGBA8, GL_DEPTH_COMPONENT16);
     gl.BindFramebuffer(GL_FRAMEBUFFER, picture.framebuffer);
     gl.Viewport(0, 0, width, height);
-    gl.Disable(GL_DEPTH_TEST);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
     gl.ActiveTexture(GL_TEXTURE0);
     gl.BindTexture(GL_TEXTURE_2D, samples.texture);
+    // The costlier floor first; depth keeps the rest of the picture from being drawn over it.
+    if (shot.ground && (shot.shadow || shot.occlusion)) draw_ground_near_objects(shot);
     set_resolve_uniforms(far_program, shot);
     gl.BindVertexArray(floor.array);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
-    if (shot.ground && (shot.shadow || shot.occlusion)) draw_ground_near_objects(shot);
 }
 
 void Rasterizer::Impl::draw_ground_near_objects(const Shot& shot) {
@@ -650,24 +676,28 @@ void Rasterizer::Impl::draw_ground_near_objects(const Shot& shot) {
           std::array<float, 4>{scale_x, scale_z, -low[0] * scale_x, -low[2] * scale_z});
     p.set("shadow_map", 2);
     p.set("world_to_shadow", shot.shadow_view.world_to_texture);
-    p.set("shadow_radius", shot.shadow_view.radius, shot.shadow_view.radius);
+    p.set("shadow_radius", shot.shadow_view.radius);
     p.set("shadow_place", shot.shadow_view.place);
     p.set("shadow_taps", shadow ? ground_taps : 0);
+    p.set("settled_taps", settled_ground_taps);
     gl.DrawArrays(GL_TRIANGLE_FAN, 0, static_cast<GLsizei>(hull.size()));
 }
 
 Image Rasterizer::Impl::draw(const Frame& frame, const View& view) {
     require_view(view);
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    Bounds bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t i = 0; i < frame.surfaces.size(); ++i)
-        bounds = merged(bounds, checked_bounds(frame.surfaces[i], i));
+    Bounds bounds = nothing;
+    for (std::size_t i = 0; i < frame.surfaces.size(); ++i) {
+        const Bounds surface_bounds = checked_bounds(frame.surfaces[i], i);
+        if (frame.surfaces[i].casts_shadow) bounds = merged(bounds, surface_bounds);
+    }
     const bool occupied = bounds.low[0] <= bounds.high[0];
     if (view.shadow_bounds) {
         const auto& [a, b] = *view.shadow_bounds;
         if (!finite(a) || !finite(b))
             refuse("view: shadow bounds " + text(a) + ", " + text(b) + " are not finite");
         bounds = merged({a, a}, {b, b});
+    } else if (occupied) {
+        bounds = widened(bounds);
     }
     if (frame.ground && !std::isfinite(frame.ground->height)) refuse("the ground's height is not finite");
 
@@ -691,7 +721,7 @@ Image Rasterizer::Impl::draw(const Frame& frame, const View& view) {
         gl.BindTexture(GL_TEXTURE_2D, ground_occlusion);
         set_sampling(GL_LINEAR);
         gl.ClearColor(0, 0, 0, 0);
-        gl.DepthFunc(GL_LESS);
+        gl.DepthFunc(GL_LEQUAL);
         gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     }
     while (meshes.size() < frame.surfaces.size()) make_buffers(meshes.emplace_back());

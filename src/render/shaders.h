@@ -15,26 +15,29 @@ vec3 tone_curve(vec3 radiance) {
 }
 )";
 
-/// Share of the key light that reaches a point: the mean of `taps` bilinear depth comparisons on a disc.
-/// The number of taps is a variable so that llvmpipe leaves the loop where no pixel of a block needs any.
+/// Share of the key light that reaches a point: the mean of bilinear depth comparisons on a disc, from its
+/// rim inwards. Where the first `settled` taps agree, the rest would too. Their number is a variable so that
+/// llvmpipe leaves the loop as soon as no pixel of a block needs more.
 inline constexpr const char* shadow = R"(
 uniform sampler2DShadow shadow_map;
 uniform mat4 world_to_shadow;   // to texture coordinates and depth
-uniform vec2 shadow_radius;     // of the disc, in texture coordinates
-float key_light_visibility(vec3 world, int taps, vec2 first_direction) {
+uniform float shadow_radius;    // of the disc, in texture coordinates
+float key_light_visibility(vec3 world, int taps, int settled, vec2 first_direction) {
     vec3 p = (world_to_shadow * vec4(world, 1.0)).xyz;
     p.z = min(p.z, 1.0);  // beyond the farthest caster: lit where the map is empty
     vec2 direction = first_direction * shadow_radius;
-    float lit = 0.0;
+    float lit = 0.0, count = 0.0;
     float inverse = 1.0 / float(max(taps, 1));
     for (int i = 0; i < taps; ++i) {
-        float radius = sqrt((float(i) + 0.5) * inverse);
+        float radius = sqrt(1.0 - (count + 0.5) * inverse);
         lit += texture(shadow_map, vec3(p.xy + radius * direction, p.z));
+        count += 1.0;
+        if (i + 1 == settled && (lit < 0.001 || lit > count - 0.001)) break;
         // the golden angle spreads the taps evenly
         direction = vec2(-0.737369 * direction.x - 0.675490 * direction.y,
                          0.675490 * direction.x - 0.737369 * direction.y);
     }
-    return lit * inverse;
+    return lit / max(count, 1.0);
 }
 )";
 
@@ -108,7 +111,7 @@ void main() {
     float slope = sqrt(clamp(1.0 - cos_light * cos_light, 0.0, 1.0));
     vec3 receiver = surface_position + normal * (normal_offset * (0.25 + slope));
     float lit = 1.0;
-    if (shadow_taps > 0) lit = key_light_visibility(receiver, cos_light > 0.0 ? shadow_taps : 0, turn);
+    if (shadow_taps > 0) lit = key_light_visibility(receiver, cos_light > 0.0 ? shadow_taps : 0, 0, turn);
     cos_light = max(cos_light, 0.0);
 
     vec3 halfway = normalize(to_eye + light_direction);
@@ -123,7 +126,7 @@ void main() {
                      (4.0 * d * d * (cos_light * (1.0 - lobe.y) + lobe.y) * (cos_eye * (1.0 - lobe.y) + lobe.y));
     // Charlie sheen of roughness 1/2 (Estevez and Kulla 2017) with Neubelt and Pettineo's shadowing
     float charlie = 2.0 * (1.0 - cos_half * cos_half) / (4.0 * (cos_light + cos_eye - cos_light * cos_eye));
-    vec3 fiber = mix(albedo, vec3(1.0), 0.3) * sheen;
+    vec3 fiber = mix(albedo, vec3(1.0), 0.2) * sheen;
 
     vec3 radiance = light_radiance * (lit * cos_light) * (albedo * (1.0 - fresnel) + specular + fiber * charlie);
 
@@ -140,7 +143,7 @@ void main() {
 inline constexpr const char* screen_vertex = R"(
 void main() {
     vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);  // one triangle that covers the picture
-    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
+    gl_Position = vec4(2.0 * corner - 1.0, 1.0, 1.0);             // behind all else
 }
 )";
 
@@ -157,13 +160,15 @@ uniform vec3 ray_y;
 uniform float ground_height;
 uniform vec2 ground_center;
 uniform float ground_fade;       // 1 / radius²
+uniform vec3 ground_open;        // display-linear colour far from all objects
+#ifdef NEAR_OBJECTS
 uniform vec3 ground_lit;         // exposed radiance due to the key light
 uniform vec3 ground_ambient;     // and to the sky
-#ifdef NEAR_OBJECTS
 uniform sampler2D ground_occlusion;
 uniform vec4 ground_occlusion_place;  // scale and offset of x and z
 uniform vec4 shadow_place;       // low and high x z of where shadow can fall, in texture coordinates
 uniform int shadow_taps;
+uniform int settled_taps;
 #endif
 out vec4 fragment;
 
@@ -179,26 +184,33 @@ void main() {
     float coverage = 0.25 * (a.a + b.a + c.a + d.a);
 
     vec3 behind = background;
+    float dither = 0.0;
     if (has_ground) {
         vec3 ray = ray_corner + gl_FragCoord.x * ray_x + gl_FragCoord.y * ray_y;
         vec3 point = eye + ray * ((ground_height - eye.y) / min(ray.y, -1e-6));
         vec2 off = point.xz - ground_center;
         float visible = 1.0 / (1.0 + dot(off, off) * ground_fade);
         visible = ray.y < -1e-6 ? visible * visible : 0.0;
-        float lit = 1.0, open = 1.0;
+        vec3 ground = ground_open;
 #ifdef NEAR_OBJECTS
-        open = texture(ground_occlusion, point.xz * ground_occlusion_place.xy + ground_occlusion_place.zw).r;
+        float lit = 1.0;
+        float open = texture(ground_occlusion, point.xz * ground_occlusion_place.xy + ground_occlusion_place.zw).r;
         if (shadow_taps > 0) {
             vec2 p = (world_to_shadow * vec4(point, 1.0)).xy;
             bool inside = all(greaterThan(p, shadow_place.xy)) && all(lessThan(p, shadow_place.zw));
             int taps = inside && coverage < 1.0 ? shadow_taps : 0;
-            float visibility = key_light_visibility(point, taps, vec2(1.0, 0.0));
+            float visibility = key_light_visibility(point, taps, settled_taps, vec2(1.0, 0.0));
             lit = taps > 0 ? visibility : 1.0;
         }
+        ground = tone_curve(ground_lit * lit + ground_ambient * open);
 #endif
-        behind = mix(background, tone_curve(ground_lit * lit + ground_ambient * open), visible);
+        behind = mix(background, ground, visible);
+        // The floor's colour varies too slowly for 8 bits: an ordered pattern (Bayer 1973) hides the steps.
+        ivec2 cell = ivec2(gl_FragCoord.xy), diagonal = cell ^ cell.yx;
+        int order = (diagonal.x & 1) << 3 | (cell.y & 1) << 2 | (diagonal.x & 2) | (cell.y & 2) >> 1;
+        dither = ray.y < -1e-6 ? (float(order) - 7.5) / (16.0 * 255.0) : 0.0;
     }
-    fragment = vec4(srgb(covered + (1.0 - coverage) * behind), 1.0);
+    fragment = vec4(srgb(covered + (1.0 - coverage) * behind) + (1.0 - coverage) * dither, 1.0);
 }
 )";
 
