@@ -11,8 +11,9 @@ constexpr int finest_cells = 64;
 constexpr float sheet_depth = 3.0f;
 // A ray starts this many cells off its surface, where the surface's own density has nearly ended.
 constexpr float start_cells = 1.5f;
-// Rays at low elevation still graze their own surface's density; this much of it is forgiven.
-constexpr float forgiven_depth = 0.12f;
+// Rays bend towards the normal by this much, or the coarse cells that those at low elevation pass through
+// would hold the surface that they start from.
+constexpr float lift = 0.6f;
 
 // Vertices of an icosahedron and of its dual, turned off the axes so that no ray runs along a box's sides.
 constexpr int direction_count = 32;
@@ -148,10 +149,11 @@ void AmbientOcclusion::build(std::span<const Surface> surfaces, const Bounds& bo
     }
 }
 
-AmbientLight AmbientOcclusion::at(const Float3& position, const Float3& normal) const {
+AmbientLight AmbientOcclusion::at(const Float3& position, const Float3& normal, bool on_surface) const {
+    const float rise = on_surface ? start_cells : 0.0f, bend = on_surface ? lift : 0.0f;
     Float3 start{};
     for (int axis = 0; axis < 3; ++axis)
-        start[axis] = (position[axis] - origin_[axis]) / cell_ + start_cells * normal[axis];
+        start[axis] = (position[axis] - origin_[axis]) / cell_ + rise * normal[axis];
     float above = 0, below = 0, open_above = 1e-6f, open_below = 1e-6f;
     for (const Float3& direction : directions) {
         const float cosine = direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2];
@@ -159,15 +161,17 @@ AmbientLight AmbientOcclusion::at(const Float3& position, const Float3& normal) 
         if (cosine < 0.17f) continue;
         const float weight = cosine - 0.17f;
         // Each step is twice the last, as is its cell: 1 to 2, 2 to 4 … cells away.
-        float depth = -forgiven_depth, step = 1;
+        float depth = 0, step = 1;
         for (const Level& level : levels_) {
             const float distance = 1.5f * step;
-            depth += step * sample(level, (start[0] + distance * direction[0]) / step + 0.5f,
-                                   (start[1] + distance * direction[1]) / step + 0.5f,
-                                   (start[2] + distance * direction[2]) / step + 0.5f);
+            Float3 p{};
+            for (int axis = 0; axis < 3; ++axis)
+                p[axis] = (start[axis] + distance * (direction[axis] + bend * normal[axis])) / step + 0.5f;
+            depth += step * sample(level, p[0], p[1], p[2]);
             step *= 2;
         }
-        const float open = weight * (depth <= 0 ? 1.0f : 1.0f / (1.0f + depth * (1.0f + 0.5f * depth)));
+        // Like exp(-depth), but the same in every standard library
+        const float open = weight / (1 + depth * (1 + 0.5f * depth));
         const float up = std::clamp(0.5f + 1.5f * direction[1], 0.0f, 1.0f);
         above += open * up;
         below += open * (1 - up);

@@ -32,7 +32,8 @@ class AmbientOcclusion {
     /// Surfaces outside `bounds` occlude nothing. Requires valid triangle indices.
     void build(std::span<const Surface> surfaces, const Bounds& bounds);
 
-    AmbientLight at(const Float3& position, const Float3& normal) const;
+    /// `on_surface`: the point lies on one of the surfaces, which is not to occlude itself.
+    AmbientLight at(const Float3& position, const Float3& normal, bool on_surface = true) const;
 
     /// Side of a cell of the finest level [m].
     float cell() const { return cell_; }

@@ -16,8 +16,11 @@ namespace cloth::render {
 namespace {
 
 constexpr int smallest_side = 16, largest_side = 8192;
-constexpr int supersampling = 2;   // along each axis; the shaders are written for 2
-constexpr int shadow_size = 1024;  // its edges are softer than a texel of any greater one
+constexpr int supersampling = 2;  // along each axis; the shaders are written for 2
+// A shadow's soft edge is this many texels of the map to each side, within these sizes of map: more could not
+// be filled by the taps, fewer would show steps.
+constexpr float softness_texels = 7;
+constexpr int smallest_shadow_map = 256, largest_shadow_map = 2048;
 constexpr int surface_taps = 8, ground_taps = 24, settled_ground_taps = 8;
 constexpr int ground_occlusion_size = 64;
 // Radius over which the floor fades, in distances from eye to target.
@@ -201,8 +204,9 @@ Camera make_camera(const View& view) {
 /// An orthographic view from the light that holds `bounds`.
 struct ShadowView {
     Matrix world_to_clip, world_to_texture;
+    int size = 0;                  // of the map [texel]
     float texel = 0;               // [m]
-    float radius = 0;              // of the filter's disc, in texture coordinates
+    float radius = 0;              // of the filter's disc [m]
     std::array<float, 4> place{};  // of the bounds in the texture: low x, low y, high x, high y
 };
 
@@ -219,12 +223,14 @@ ShadowView make_shadow_view(const Float3& to_light, const Bounds& bounds, float 
     const float widest = std::max({b.high[0] - b.low[0], b.high[1] - b.low[1], 1e-5f});
     const float deep = std::max(b.high[2] - b.low[2], 1e-5f);
     // The border holds the filter's disc.
-    const float half = 0.5f * widest * (1 + 8.0f / shadow_size) + 1.5f * softness;
+    const float half = 0.5f * widest * (1 + 8.0f / smallest_shadow_map) + 1.5f * softness;
     const Float3 center = 0.5f * (b.low + b.high);
     ShadowView s;
-    s.texel = 2 * half / shadow_size;
-    // Below a texel edges would show steps; a wider disc than the taps can fill would show rings.
-    s.radius = std::clamp(softness / s.texel, 1.0f, 14.0f) / shadow_size;
+    const float wanted = 2 * half * softness_texels / std::max(softness, 1e-6f);
+    s.size = std::clamp(64 * static_cast<int>(std::min(wanted / 64, 1e6f)), smallest_shadow_map,
+                        largest_shadow_map);
+    s.texel = 2 * half / static_cast<float>(s.size);
+    s.radius = std::max(softness, s.texel);
     const float depth_scale = 0.98f / deep, depth_offset = 0.01f - depth_scale * b.low[2];
     s.world_to_clip = affine((1 / half) * x, -center[0] / half, (1 / half) * y, -center[1] / half,
                              (2 * depth_scale) * z, 2 * depth_offset - 1);
@@ -521,16 +527,21 @@ void Rasterizer::Impl::draw_mesh(const Buffers& b) {
 
 // ---------------------------------------------------------------- passes
 void Rasterizer::Impl::draw_shadow_map(const Shot& shot) {
-    resize(shadow_map, shadow_size, shadow_size, 0, GL_DEPTH_COMPONENT32F);
+    const int size = shot.shadow ? shot.shadow_view.size : smallest_shadow_map;
+    resize(shadow_map, size, size, 0, GL_DEPTH_COMPONENT32F);
     gl.BindFramebuffer(GL_FRAMEBUFFER, shadow_map.framebuffer);
-    gl.Viewport(0, 0, shadow_size, shadow_size);
+    gl.Viewport(0, 0, size, size);
     gl.Enable(GL_DEPTH_TEST);
     gl.Clear(GL_DEPTH_BUFFER_BIT);
     if (!shot.shadow) return;
+    // The outermost texels stay empty: they are what lies beyond the map.
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(1, 1, size - 2, size - 2);
     depth_program.use();
     depth_program.set("world_to_clip", shot.shadow_view.world_to_clip);
     for (std::size_t i = 0; i < shot.frame.surfaces.size(); ++i)
         if (shot.frame.surfaces[i].casts_shadow) draw_mesh(meshes[i]);
+    gl.Disable(GL_SCISSOR_TEST);
     gl.Flush();  // the driver's threads rasterize while this one computes occlusion
 }
 
@@ -542,7 +553,7 @@ void Rasterizer::Impl::draw_surfaces(const Shot& shot) {
     gl.Viewport(0, 0, width, height);
     gl.Enable(GL_DEPTH_TEST);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    if (shot.ground) gl.Enable(GL_CLIP_DISTANCE0);
+    gl.Enable(GL_CLIP_DISTANCE0);
 
     Program& p = surface_program;
     p.use();
@@ -550,7 +561,8 @@ void Rasterizer::Impl::draw_surfaces(const Shot& shot) {
     gl.BindTexture(GL_TEXTURE_2D, shadow_map.depth);
     p.set("shadow_map", 0);
     p.set("world_to_clip", shot.camera.world_to_clip);
-    p.set("clip_height", shot.ground ? shot.frame.ground->height : 0.0f);
+    // llvmpipe clips by the distance even while it is disabled, so without a floor it lies out of reach.
+    p.set("clip_height", shot.ground ? shot.frame.ground->height : -1e30f);
     p.set("eye", view.eye);
     p.set("light_direction", shot.to_light);
     p.set("light_radiance", shot.key);
@@ -559,9 +571,10 @@ void Rasterizer::Impl::draw_surfaces(const Shot& shot) {
     p.set("exposure", view.exposure);
     p.set("shadow_taps", shot.shadow ? surface_taps : 0);
     p.set("world_to_shadow", shot.shadow_view.world_to_texture);
-    p.set("shadow_radius", shot.shadow_view.radius);
+    p.set("shadow_radius",
+          shot.shadow_view.radius / (shot.shadow_view.texel * static_cast<float>(shot.shadow_view.size)));
     // Half a texel's diagonal, for the bilinear comparison, beyond the disc
-    p.set("normal_offset", (shot.shadow_view.radius * shadow_size + 1.5f) * shot.shadow_view.texel);
+    p.set("normal_offset", shot.shadow_view.radius + 1.5f * shot.shadow_view.texel);
     for (std::size_t i = 0; i < shot.frame.surfaces.size(); ++i) {
         const Surface& surface = shot.frame.surfaces[i];
         const Material& m = surface.material;
@@ -635,10 +648,11 @@ void Rasterizer::Impl::draw_ground_near_objects(const Shot& shot) {
                 const float u = (static_cast<float>(i) + 0.5f) / size,
                             v = (static_cast<float>(j) + 0.5f) / size;
                 const Float3 point{low[0] + u * (high[0] - low[0]), height, low[2] + v * (high[2] - low[2])};
-                const float visible = occlusion.at(point, {0, 1, 0}).from_above;
+                const float visible = occlusion.at(point, {0, 1, 0}, /*on_surface=*/false).from_above;
                 const float edge = std::min({u, v, 1 - u, 1 - v}) - 1.0f / size;
                 const float fade = std::clamp(8 * edge, 0.0f, 1.0f);
-                open[std::size_t{size} * j + i] = 1 - (1 - visible) * fade * fade * (3 - 2 * fade);
+                // What hides the sky returns a part of the floor's own light.
+                open[std::size_t{size} * j + i] = 1 - 0.7f * (1 - visible) * fade * fade * (3 - 2 * fade);
             }
     gl.ActiveTexture(GL_TEXTURE1);
     gl.BindTexture(GL_TEXTURE_2D, ground_occlusion);
@@ -652,7 +666,7 @@ void Rasterizer::Impl::draw_ground_near_objects(const Shot& shot) {
         {low[0], low[2]}, {low[0], high[2]}, {high[0], low[2]}, {high[0], high[2]}};
     const bool shadow = shot.shadow && shot.to_light[1] > 1e-3f;
     if (shadow) {
-        const float pad = 2 * shot.shadow_view.radius * shadow_size * shot.shadow_view.texel;
+        const float pad = 2 * shot.shadow_view.radius;
         for (const Float3& corner : corners(b)) {
             const float rise = std::max(corner[1] - height, 0.0f) / shot.to_light[1];
             const float x = corner[0] - rise * shot.to_light[0], z = corner[2] - rise * shot.to_light[2];
@@ -676,7 +690,8 @@ void Rasterizer::Impl::draw_ground_near_objects(const Shot& shot) {
           std::array<float, 4>{scale_x, scale_z, -low[0] * scale_x, -low[2] * scale_z});
     p.set("shadow_map", 2);
     p.set("world_to_shadow", shot.shadow_view.world_to_texture);
-    p.set("shadow_radius", shot.shadow_view.radius);
+    p.set("shadow_radius",
+          shot.shadow_view.radius / (shot.shadow_view.texel * static_cast<float>(shot.shadow_view.size)));
     p.set("shadow_place", shot.shadow_view.place);
     p.set("shadow_taps", shadow ? ground_taps : 0);
     p.set("settled_taps", settled_ground_taps);

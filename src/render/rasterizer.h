@@ -1,5 +1,14 @@
 #pragma once
 // Frame + View → Image, offscreen, by OpenGL core profile. All GL stays behind this header.
+//
+// Radiance of a surface towards the eye, with E = intensity · color of the light and l its direction:
+//   E/π (n·l) shadow (albedo (1 - F) + GGX + sheen)   key light: Walter et al. 2007, Schlick's F and G terms;
+//                                                     sheen: Estevez and Kulla 2017
+//   + albedo (sky · above + bounce · below)           fill; above, below = (1 ± n.y)/2 less what is occluded
+// bounce is what the floor returns, or half the background where there is none. Times exposure, it goes
+// through a tone curve, x up to 0.6, then 0.6 + 0.4 (1 - exp(-(x - 0.6)/0.4)), and becomes sRGB. The
+// background is shown as it is. Each pixel is the mean of 2x2 samples in linear light. Nothing depends on
+// earlier draws or on threads.
 
 #include <memory>
 #include <string>
@@ -19,6 +28,7 @@ class Rasterizer {
 
     /// Throws std::invalid_argument for a size outside 16 … 8192, a degenerate camera or indices out of
     /// range.
+    /// std::runtime_error where the driver has not the memory for a very large picture.
     Image draw(const Frame& frame, const View& view);
 
     /// Renderer and version strings of the driver.
