@@ -24,13 +24,18 @@ void append_triangle(std::vector<std::uint32_t>& list, int a, int b, int c) {
 }  // namespace
 
 FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(file), model_(model) {
-    for (const ClothRange& cloth : model.cloths) {
+    for (std::size_t c = 0; c < model.cloths.size(); ++c) {
+        const ClothRange& cloth = model.cloths[c];
+        const Triangles own = model.triangles.middleRows(cloth.first_triangle, cloth.triangle_count).array() -
+                              cloth.first_vertex;
+        subdivisions_.push_back(
+            subdivide(model.rest_positions.middleRows(cloth.first_vertex, cloth.vertex_count), own,
+                      file.cloth_looks.at(c).subdivisions));
+        const Subdivision& fine = subdivisions_.back();
         Mesh mesh;
-        for (int t = cloth.first_triangle; t < cloth.first_triangle + cloth.triangle_count; ++t)
-            append_triangle(mesh.triangles, model.triangles(t, 0) - cloth.first_vertex,
-                            model.triangles(t, 1) - cloth.first_vertex,
-                            model.triangles(t, 2) - cloth.first_vertex);
-        mesh.positions.resize(3 * static_cast<std::size_t>(cloth.vertex_count));
+        for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t)
+            append_triangle(mesh.triangles, fine.triangles(t, 0), fine.triangles(t, 1), fine.triangles(t, 2));
+        mesh.positions.resize(3 * static_cast<std::size_t>(fine.weights.rows()));
         mesh.normals.resize(mesh.positions.size());
         cloths_.push_back(std::move(mesh));
     }
@@ -80,23 +85,25 @@ render::Frame FrameBuilder::build(const State& state) {
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
         const ClothRange& cloth = model_.cloths[c];
         Mesh& mesh = cloths_[c];
+        const Subdivision& fine = subdivisions_[c];
+        Points coarse(cloth.vertex_count, 3);
+        for (int i = 0; i < cloth.vertex_count; ++i)
+            coarse.row(i) = state.positions.segment<3>(3 * (cloth.first_vertex + i)).transpose();
+        const Points positions = fine.weights * coarse;
         // Weighted by area in doubles: a crossed product is twice a triangle's area long.
-        Points normals = Points::Zero(cloth.vertex_count, 3);
-        for (int t = cloth.first_triangle; t < cloth.first_triangle + cloth.triangle_count; ++t) {
-            const Vec3 p0 = state.positions.segment<3>(3 * model_.triangles(t, 0));
-            const Vec3 p1 = state.positions.segment<3>(3 * model_.triangles(t, 1));
-            const Vec3 p2 = state.positions.segment<3>(3 * model_.triangles(t, 2));
+        Points normals = Points::Zero(positions.rows(), 3);
+        for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t) {
+            const Vec3 p0 = positions.row(fine.triangles(t, 0)), p1 = positions.row(fine.triangles(t, 1)),
+                       p2 = positions.row(fine.triangles(t, 2));
             const Vec3 weighted = (p1 - p0).cross(p2 - p0);
-            for (int k = 0; k < 3; ++k)
-                normals.row(model_.triangles(t, k) - cloth.first_vertex) += weighted.transpose();
+            for (int k = 0; k < 3; ++k) normals.row(fine.triangles(t, k)) += weighted.transpose();
         }
-        for (int i = 0; i < cloth.vertex_count; ++i) {
-            const Vec3 position = state.positions.segment<3>(3 * (cloth.first_vertex + i));
+        for (Eigen::Index i = 0; i < positions.rows(); ++i) {
             Vec3 normal = normals.row(i).transpose();
             const double length = normal.norm();
             normal = length > 0 ? Vec3(normal / length) : Vec3(Vec3::UnitY());  // folded flat: any will do
             for (int k = 0; k < 3; ++k) {
-                mesh.positions[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(position[k]);
+                mesh.positions[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(positions(i, k));
                 mesh.normals[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(normal[k]);
             }
         }
@@ -109,6 +116,8 @@ render::Frame FrameBuilder::build(const State& state) {
         const Mesh& mesh = colliders_[c];
         frame.surfaces.push_back(
             {mesh.positions, mesh.normals, mesh.triangles, file_.collider_looks.at(c).material, false});
+        // A plane's metres would take all of the shadow map.
+        frame.surfaces.back().casts_shadow = collider.shape != Shape::plane;
     }
     return frame;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/scene_file.h"
+#include "pipeline/subdivision.h"
 #include "render/frame.h"
 #include "sim/model.h"
 #include "sim/state.h"
@@ -15,7 +16,8 @@ namespace cloth::pipeline {
 class FrameBuilder {
   public:
     FrameBuilder(const SceneFile& file, const Model& model);
-    /// Cloth with smooth area-weighted normals, colliders that are on, ground. Valid until the next call.
+    /// Cloth, subdivided as its look says, with smooth area-weighted normals, colliders that are on, ground.
+    /// Valid until the next call.
     render::Frame build(const State& state);
 
   private:
@@ -26,6 +28,7 @@ class FrameBuilder {
     const SceneFile& file_;
     const Model& model_;
     std::vector<Mesh> cloths_, colliders_;
+    std::vector<Subdivision> subdivisions_;  ///< one per cloth
 };
 
 }  // namespace cloth::pipeline

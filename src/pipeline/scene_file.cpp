@@ -450,23 +450,26 @@ struct ClothEntry {
     std::optional<Diagonals> diagonals;
     std::optional<std::string> mesh, pose;
     LookEntry look{.color = {Vec3(0.72, 0.16, 0.14)}, .back_color = {}, .sheen = 0.35};
+    int subdivisions = 1;
 
     Fields fields() {
-        return Fields{field("name", "", "by which pins refer to it", desc.name),
-                      field("size", "m", "of a grid: [along x, along y]", size),
-                      field("resolution", "",
-                            "of a grid: vertices per side, one number or [along x, along y]", resolution),
-                      choice("diagonals", "of a grid: how squares are cut", diagonals, diagonal_names),
-                      field("mesh", "file", "rest shape, instead of a grid", mesh),
-                      field("pose", "file", "mesh of the start positions; default: the rest shape", pose),
-                      field("scale", "", "of the start pose", desc.transform.scale),
-                      field("rotate", "degree", "of the start pose, about fixed x, then y, then z",
-                            desc.transform.rotate),
-                      field("translate", "m", "of the start pose, after scale and rotate",
-                            desc.transform.translate),
-                      field("velocity", "m/s", "at the start, of the free vertices", desc.velocity),
-                      field("bump", "m", "height of a smooth out-of-plane offset of the start pose",
-                            desc.bump)} +
+        return Fields{
+                   field("name", "", "by which pins refer to it", desc.name),
+                   field("size", "m", "of a grid: [along x, along y]", size),
+                   field("resolution", "", "of a grid: vertices per side, one number or [along x, along y]",
+                         resolution),
+                   choice("diagonals", "of a grid: how squares are cut", diagonals, diagonal_names),
+                   field("mesh", "file", "rest shape, instead of a grid", mesh),
+                   field("pose", "file", "mesh of the start positions; default: the rest shape", pose),
+                   field("scale", "", "of the start pose", desc.transform.scale),
+                   field("rotate", "degree", "of the start pose, about fixed x, then y, then z",
+                         desc.transform.rotate),
+                   field("translate", "m", "of the start pose, after scale and rotate",
+                         desc.transform.translate),
+                   field("velocity", "m/s", "at the start, of the free vertices", desc.velocity),
+                   field("bump", "m", "height of a smooth out-of-plane offset of the start pose", desc.bump),
+                   field("subdivisions", "", "Loop steps that smooth the drawn surface, 0 … 3",
+                         subdivisions)} +
                look.fields();
     }
     Fields fabric_fields() {
@@ -587,7 +590,7 @@ struct GroundEntry {
 };
 
 struct BackgroundEntry {
-    Color color{Vec3(0.87, 0.89, 0.91)}, sky{Vec3(0.86, 0.9, 0.95)};
+    Color color{Vec3(0.87, 0.89, 0.91)}, sky{Vec3(0.69, 0.71, 0.75)};
     double exposure = 1.0;
     bool ambient_occlusion = render::View{}.ambient_occlusion;
     Fields fields() {
@@ -1096,7 +1099,10 @@ void check_looks(Reader& reader, Document& d) {
         check_range(reader, key + ".specular", look.specular, 0.0, 1.0, "");
         check_range(reader, key + ".sheen", look.sheen, 0.0, 10.0, "");
     };
-    for (std::size_t i = 0; i < d.cloths.size(); ++i) check(entry("cloth", i), d.cloths[i].look);
+    for (std::size_t i = 0; i < d.cloths.size(); ++i) {
+        check(entry("cloth", i), d.cloths[i].look);
+        check_range(reader, entry("cloth", i) + ".subdivisions", d.cloths[i].subdivisions, 0, 3, "");
+    }
     for (std::size_t i = 0; i < d.colliders.size(); ++i) check(entry("collider", i), d.colliders[i].look);
     const Vec3 gaze = d.camera.target - d.camera.position;
     if (!(gaze.norm() > 1e-9))
@@ -1262,7 +1268,10 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     file.view.ambient_occlusion = d.background.ambient_occlusion;
     if (d.ground)
         file.ground = render::Ground{static_cast<float>(d.ground->height), d.ground->color.linear()};
-    for (const ClothEntry& c : d.cloths) file.cloth_looks.push_back(c.look.look());
+    for (const ClothEntry& c : d.cloths) {
+        file.cloth_looks.push_back(c.look.look());
+        file.cloth_looks.back().subdivisions = c.subdivisions;
+    }
     for (const ColliderEntry& c : d.colliders) file.collider_looks.push_back(c.look.look());
     file.resolved = write_document(d);
     return file;

@@ -16,6 +16,7 @@ namespace cloth::pipeline {
 /// How a cloth or collider is drawn.
 struct Look {
     render::Material material;
+    int subdivisions = 0;  ///< Loop steps that smooth the drawn surface (cloth alone)
 };
 
 struct OutputDesc {
