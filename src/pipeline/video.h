@@ -18,8 +18,9 @@ struct VideoOptions {
 /// FFmpeg's version line; throws Error(encoder) where it is missing.
 std::string ffmpeg_version();
 
-/// H.264, yuv420p, bt709 tagged, fast start; odd sizes are padded to even by repeating the edge. The frames are
-/// piped as raw pixels while they are made. The movie appears under its name only when finish() succeeded.
+/// H.264, yuv420p, bt709 tagged, fast start; odd sizes are padded to even by repeating the edge. The frames
+/// are piped as raw pixels while they are made. The movie appears under its name only when finish()
+/// succeeded.
 class VideoWriter {
   public:
     VideoWriter(const std::filesystem::path& path, int width, int height, const VideoOptions& options);

@@ -1,11 +1,12 @@
 #pragma once
 // Direct solution of (block matrix) x = b on the free vertices: a multifrontal Cholesky factorisation.
 //
-// Why not a library's: CHOLMOD's fast path runs in a BLAS that picks its kernels by processor, so states would differ
-// between machines, and Eigen's own sparse factorisation works one scalar at a time. Here the order, the elimination
-// tree and all index lists are found once on the graph of vertices (3x3 blocks), and the numbers are dense work by
-// Eigen, compiled into this library. Fronts of disjoint subtrees run on different threads; each sum keeps its order,
-// so the result does not depend on how many there are. (Duff and Reid 1983; Liu 1992, The Multifrontal Method.)
+// Why not a library's: CHOLMOD's fast path runs in a BLAS that picks its kernels by processor, so states
+// would differ between machines, and Eigen's own sparse factorisation works one scalar at a time. Here the
+// order, the elimination tree and all index lists are found once on the graph of vertices (3x3 blocks), and
+// the numbers are dense work by Eigen, compiled into this library. Fronts of disjoint subtrees run on
+// different threads; each sum keeps its order, so the result does not depend on how many there are. (Duff and
+// Reid 1983; Liu 1992, The Multifrontal Method.)
 
 #include <memory>
 #include <vector>
