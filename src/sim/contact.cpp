@@ -17,10 +17,10 @@ SurfacePoint nearest_surface(const ColliderDesc& collider, const Vec3& point) {
 
 template <class F>
 void ColliderContactEnergy::for_each_contact(const VecX& x, const F& body) const {
-    for (const ColliderDesc* collider : colliders_) {
+    for (const ColliderDesc& collider : colliders_) {
         for (int i = 0; i < x.size() / 3; ++i) {
-            const SurfacePoint s = nearest_surface(*collider, x.segment<3>(3 * i));
-            if (s.distance < collider->contact_offset) body(*collider, i, s);
+            const SurfacePoint s = nearest_surface(collider, x.segment<3>(3 * i));
+            if (s.distance < collider.contact_offset) body(collider, i, s);
         }
     }
 }
@@ -30,7 +30,7 @@ ColliderContactEnergy::ColliderContactEnergy(const std::vector<ColliderDesc>& co
                                              double stiffness, double time_step, double sliding_speed)
     : stiffness_(stiffness), sliding_way_(sliding_speed * time_step) {
     for (std::size_t c = 0; c < colliders.size(); ++c) {
-        if (collider_on[c]) colliders_.push_back(&colliders[c]);
+        if (collider_on[c]) colliders_.push_back(colliders[c]);
     }
     for_each_contact(start, [&](const ColliderDesc& collider, int i, const SurfacePoint& s) {
         friction_.push_back({i, s.normal, start.segment<3>(3 * i),

@@ -48,7 +48,7 @@ class ColliderContactEnergy final : public Energy {
     template <class F>
     void for_each_contact(const VecX& x, const F& body) const;
 
-    std::vector<const ColliderDesc*> colliders_;  ///< those that are on
+    std::vector<ColliderDesc> colliders_;  ///< those that are on
     std::vector<Friction> friction_;
     double stiffness_, sliding_way_;
     const BlockPattern* pattern_ = nullptr;
