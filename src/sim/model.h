@@ -47,7 +47,9 @@ Model build_model(const Scene& scene);
 /// State at time 0.
 State start_state(const Model& model);
 
-/// Vertices that a pin holds, numbered within its cloth; throws SceneError where it holds none.
-std::vector<int> select_vertices(const PinDesc& pin, const Points& start, const std::string& key);
+/// Vertices selected, numbered within their cloth; throws SceneError where there are none. `grid`: the
+/// cloth's rest shape where it is one, for edge names.
+std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
+                                 const std::string& key, const Grid* grid = nullptr);
 
 }  // namespace cloth
