@@ -80,7 +80,31 @@ VecX assemble_mass(Model& model) {
     return lumped;
 }
 
+std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
+                                      const std::vector<MeshData>& meshes) {
+    std::vector<PinGroup> groups;
+    for (std::size_t p = 0; p < scene.pins.size(); ++p) {
+        const PinDesc& pin = scene.pins[p];
+        const ClothDesc& cloth = scene.cloths[pin.cloth];
+        const Points start = start_positions(cloth, meshes[pin.cloth]);
+        PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
+        for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]",
+                                     cloth.mesh ? nullptr : &cloth.grid)) {
+            group.vertices.push_back(model.cloths[pin.cloth].first_vertex + v);
+            group.start.push_back(start.row(v));
+            group.center += group.start.back();
+        }
+        group.center = pin.center.value_or(group.center / static_cast<double>(group.vertices.size()));
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
 }  // namespace
+
+std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model&) {
+    return {};
+}
 
 std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
                                  const std::string& key, const Grid* grid) {
@@ -166,15 +190,8 @@ Model build_model(const Scene& scene) {
         model.triangle_areas(t) = 0.5 * (b - a).cross(c - a).norm();
     }
 
-    for (std::size_t p = 0; p < scene.pins.size(); ++p) {
-        const int c = scene.pins[p].cloth;
-        for (int v : select_vertices(scene.pins[p], start_positions(scene.cloths[c], meshes[c]),
-                                     "pin[" + std::to_string(p) + "]")) {
-            model.pinned.push_back(model.cloths[c].first_vertex + v);
-        }
-    }
-    std::sort(model.pinned.begin(), model.pinned.end());
-    model.pinned.erase(std::unique(model.pinned.begin(), model.pinned.end()), model.pinned.end());
+    model.pin_groups = make_pin_groups(scene, model, meshes);
+    for (const Pin& pin : pins_of_step(model.pin_groups, 0.0, 0.0)) model.pinned.push_back(pin.vertex);
 
     auto membrane = make_membrane(model);
     model.membrane = membrane.get();
