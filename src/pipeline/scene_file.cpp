@@ -15,6 +15,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/mesh_file.h"
+#include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
 #include "sim/portable_math.h"
@@ -902,6 +903,11 @@ class Reader {
                 path += (path.empty() ? "" : ".") + fmt::format("{}[{}]", name, wanted);
             } else {
                 if (!table->contains(name)) table->insert(name, toml::table{});
+                if (toml::node* word = table->get(name); plain == "cloth.fabric" && word->is_string()) {
+                    toml::table named;
+                    named.insert("base", std::move(*word->as_string()));
+                    table->insert_or_assign(name, std::move(named));
+                }
                 if (!table->get(name)->is_table()) refuse(fmt::format("\"{}\" is no table", plain));
                 table = table->get_as<toml::table>(name);
                 path += (path.empty() ? "" : ".") + name;
@@ -1080,6 +1086,44 @@ int index_of(Reader& reader, const std::string& key, const std::string& name, co
                                                  : "known: " + join(names)));
 }
 
+Fabric named_fabric(Reader& reader, const toml::node& name, const std::string& key) {
+    if (!name.is_string()) reader.fail(key, "is " + type_name(name) + "; must be a fabric's name");
+    const std::string text = *name.value<std::string>();
+    if (const NamedFabric* found = find_fabric(text)) return found->fabric;
+    reader.fail(key, unknown_fabric(text));
+}
+
+/// fabric = "cotton", or a table, which may have a base = "cotton".
+void read_fabric(Reader& reader, const toml::node& node, const std::string& key, ClothEntry& cloth) {
+    Fabric& f = cloth.desc.fabric;
+    if (node.is_string()) {
+        f = named_fabric(reader, node, key);
+        return;
+    }
+    if (!node.is_table()) {
+        reader.fail(key, "is " + type_name(node) + "; must be a fabric's name or a table");
+    }
+    const toml::table& table = *node.as_table();
+    if (table.contains("base")) f = named_fabric(reader, *table.get("base"), key + ".base");
+    reader.read(table, key, cloth.fabric_fields(), {"base"});
+    // What the table changes leaves parts of its base without a meaning.
+    const auto drop = [&](const char* name, auto& value) {
+        if (!table.contains(name)) value.reset();
+    };
+    if (f.mu || f.lambda || f.membrane != MembraneKind::st_venant_kirchhoff) {
+        drop("young_weft", f.young_weft);
+        drop("shear_modulus", f.shear_modulus);
+    }
+    if (table.contains("bending") || table.contains("bending_weft")) drop("bending_bias", f.bending_bias);
+    if (f.bending_model != BendingKind::hinges) drop("yield_curvature", f.yield_curvature);
+    for (const char* name : {"young_modulus", "poisson_ratio"}) {
+        if (table.contains(name) && (f.mu || f.lambda)) {
+            reader.fail(key + "." + name,
+                        "stands beside mu and lambda, which take its place; give one or the other");
+        }
+    }
+}
+
 void read_document(Reader& reader, Document& d) {
     const std::vector<std::string> tables{"simulation", "air",        "cloth",  "collider", "pin",
                                           "seam",       "drag",       "event",  "camera",   "light",
@@ -1096,18 +1140,8 @@ void read_document(Reader& reader, Document& d) {
         ClothEntry& c = d.cloths[i];
         c.desc.name = cloths.size() == 1 ? "cloth" : fmt::format("cloth{}", i);
         reader.read(*cloths[i], entry("cloth", i), c.fields(), {"fabric"});
-        if (const toml::node* fabric = cloths[i]->get("fabric")) {
-            if (!fabric->is_table()) {
-                reader.fail(entry("cloth", i) + ".fabric", "is " + type_name(*fabric) + "; must be a table");
-            }
-            reader.read(*fabric->as_table(), entry("cloth", i) + ".fabric", c.fabric_fields());
-            for (const char* key : {"young_modulus", "poisson_ratio"}) {
-                if (fabric->as_table()->contains(key) && (c.desc.fabric.mu || c.desc.fabric.lambda)) {
-                    reader.fail(entry("cloth", i) + ".fabric." + key,
-                                "stands beside mu and lambda, which take its place; give one or the other");
-                }
-            }
-        }
+        if (const toml::node* fabric = cloths[i]->get("fabric"))
+            read_fabric(reader, *fabric, entry("cloth", i) + ".fabric", c);
     }
     const auto colliders = reader.list("collider");
     d.colliders.resize(colliders.size());
@@ -1496,6 +1530,14 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
     return parse_scene(read_text(path), path.string(), fs::absolute(path).parent_path(), overrides);
 }
 
+std::string unknown_fabric(const std::string& name) {
+    std::vector<std::string> known;
+    for (const NamedFabric& f : named_fabrics()) known.push_back(f.fabric.name);
+    const std::string near = nearest_word(name, known);
+    return fmt::format("there is no fabric \"{}\"; {}known: {}", name,
+                       near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), join(known));
+}
+
 std::vector<fs::path> scene_folders() {
     std::vector<fs::path> folders;
     if (const char* assets = std::getenv("CLOTH_ASSETS")) folders.push_back(fs::path(assets) / "scenes");
@@ -1544,7 +1586,8 @@ std::string key_reference() {
     table("[simulation]", d.simulation_fields());
     table("[air]", d.air_fields());
     table("[[cloth]]", cloth.fields());
-    table("[cloth.fabric]", cloth.fabric_fields());
+    table("[cloth.fabric]  (or fabric = \"cotton\"; base = \"cotton\" begins with its values)",
+          cloth.fabric_fields());
     table("[[collider]]", collider.fields());
     table("[[pin]]", pin.fields());
     table("[[seam]]", seam.fields());
