@@ -23,10 +23,6 @@ std::array<double, 2> membrane_moduli(const Fabric& f) {
     return {E / (2.0 * (1.0 + nu)), E * nu / (1.0 - nu * nu)};
 }
 
-MeshData rest_shape(const ClothDesc& cloth) {
-    return cloth.mesh ? *cloth.mesh : make_grid(cloth.grid);
-}
-
 Mat3 stiffness(const Fabric& f) {
     if (f.mu) {
         const double scale = 2.0 * *f.mu + *f.lambda;
@@ -205,7 +201,7 @@ std::vector<SeamSpring> make_seam_springs(const Model& model) {
             vertices[side] =
                 select_vertices(seam.sides[side], start[side],
                                 "seam[" + std::to_string(i) + "]." + (side == 0 ? "first" : "second"),
-                                cloth.mesh ? nullptr : &cloth.grid);
+                                cloth.mesh || cloth.disc ? nullptr : &cloth.grid);
         }
         if (vertices[0].size() != vertices[1].size()) {
             throw SceneError("seam[" + std::to_string(i) + "]",
@@ -258,7 +254,7 @@ std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
         const Points start = start_positions(cloth, meshes[pin.cloth]);
         PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
         for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]",
-                                     cloth.mesh ? nullptr : &cloth.grid)) {
+                                     cloth.mesh || cloth.disc ? nullptr : &cloth.grid)) {
             group.vertices.push_back(model.cloths[pin.cloth].first_vertex + v);
             group.start.push_back(start.row(v));
             group.center += group.start.back();
@@ -320,7 +316,7 @@ std::vector<int> select_vertices(const VertexSelection& selection, const Points&
             if (sign * start(v, axis) >= extreme - selection.tolerance) selected.push_back(v);
         }
     } else if (selection.edge) {
-        if (!grid) throw SceneError(key + ".edge", "names a grid's edge; this cloth is a mesh");
+        if (!grid) throw SceneError(key + ".edge", "names a grid's edge; this cloth is no grid");
         const auto [nx, ny] = grid->resolution;
         const std::string& edge = *selection.edge;
         for (int v = 0; v < n; ++v) {
