@@ -1,10 +1,13 @@
-// Fabrics, pins, seams and air: every refusal by its message.
+// The table of fabrics; fabrics, pins, seams and air: every refusal by its message.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 
+#include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
 #include "sim/scene.h"
@@ -77,6 +80,109 @@ const double not_a_number = std::numeric_limits<double>::quiet_NaN();
 const double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
+
+TEST_CASE("every fabric of the table can be simulated and has the range of a fabric", "[fabrics]") {
+    for (const NamedFabric& named : named_fabrics()) {
+        const Fabric& f = named.fabric;
+        INFO(f.name);
+        Scene scene = woven_scene();
+        fabric(scene) = f;
+        CHECK(refusal([&] { validate(scene); }) == "accepted");
+        CHECK(!named.description.empty());
+        CHECK(f.density >= 0.03);
+        CHECK(f.density <= 1.0);
+        CHECK(f.thickness >= 5e-5);
+        CHECK(f.thickness <= 3e-3);
+        // Fibres weigh 900-1600 kg/m³, and cloth is partly air.
+        CHECK(f.density / f.thickness > 100.0);
+        CHECK(f.density / f.thickness < 1600.0);
+        // Per width: softest knits to paper.
+        CHECK(f.young_modulus * f.thickness >= 10.0);
+        CHECK(f.young_modulus * f.thickness <= 1e6);
+        CHECK(f.poisson_ratio >= 0.0);
+        CHECK(f.poisson_ratio <= 0.5);
+        // Shears far more easily than its threads stretch; knits do not.
+        if (f.shear_modulus && f.name != "jersey") {
+            CHECK(*f.shear_modulus < 0.3 * std::min(f.young_modulus, *f.young_weft));
+        }
+        REQUIRE(f.strain_limit);
+        CHECK(*f.strain_limit > 1.0);
+        CHECK(*f.strain_limit <= 1.5);
+        CHECK(f.bending > 0.0);
+        CHECK(f.bending >= f.bending_weft);
+        CHECK(*f.bending_bias <= 1.5 * f.bending);
+        CHECK(bending_length(f) > 5e-3);
+        CHECK(bending_length(f) < 0.2);
+        CHECK(f.membrane_damping > 0.0);
+        CHECK(f.membrane_damping < 0.1);
+        CHECK(f.bending_damping > 0.0);
+        CHECK(f.bending_damping < 0.1);
+        CHECK(f.friction >= 0.1);
+        CHECK(f.friction <= 1.0);
+    }
+}
+
+TEST_CASE("every number of every fabric has a source", "[fabrics]") {
+    for (const NamedFabric& named : named_fabrics()) {
+        INFO(named.fabric.name);
+        std::set<std::string> keys;
+        for (const FabricValue& v : named.values) {
+            INFO(v.key);
+            CHECK(v.source.size() > 8);
+            CHECK(keys.insert(v.key).second);
+        }
+        std::set<std::string> wanted{"density",          "thickness",       "young_modulus", "poisson_ratio",
+                                     "strain_limit",     "bending",         "bending_weft",  "bending_bias",
+                                     "membrane_damping", "bending_damping", "friction"};
+        if (named.fabric.young_weft) wanted.insert("young_weft");
+        if (named.fabric.shear_modulus) wanted.insert("shear_modulus");
+        if (named.fabric.yield_curvature) wanted.insert("yield_curvature");
+        CHECK(keys == wanted);
+    }
+}
+
+TEST_CASE("the table has the fabrics that people ask for, each once, found by name", "[fabrics]") {
+    std::vector<std::string> names;
+    for (const NamedFabric& f : named_fabrics()) names.push_back(f.fabric.name);
+    CHECK(std::is_sorted(names.begin(), names.end()));
+    CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());
+    for (const char* name :
+         {"cotton", "wool", "silk", "denim", "polyester", "jersey", "ripstop_nylon", "leather", "paper"}) {
+        INFO(name);
+        REQUIRE(find_fabric(name));
+        CHECK(find_fabric(name)->fabric.name == name);
+    }
+    CHECK(find_fabric("Cotton") == nullptr);
+    CHECK(find_fabric("") == nullptr);
+}
+
+TEST_CASE("a named fabric's stiffness per width and weight are the stated ones", "[fabrics]") {
+    const Fabric& denim = find_fabric("denim")->fabric;
+    // 11 oz/yd² = 0.373 kg/m² before washing out the size; measured 0.324.
+    CHECK(denim.density == 0.324);
+    CHECK(denim.young_modulus * denim.thickness == Approx(1014.0));
+    CHECK(*denim.young_weft * denim.thickness == Approx(205.0));
+    // Silk is the limpest of the woven ones, denim the stiffest of those worn; paper stands alone.
+    const auto length = [](const char* name) { return bending_length(find_fabric(name)->fabric); };
+    CHECK(length("silk") < length("wool"));
+    CHECK(length("wool") < length("cotton"));
+    CHECK(length("cotton") < length("denim"));
+    CHECK(length("denim") < length("paper"));
+}
+
+TEST_CASE("the bending length is the cube root of mean rigidity over weight", "[fabrics]") {
+    Fabric f;
+    f.density = 0.2;
+    f.bending = 8e-6 * 0.2 * 9.81;
+    CHECK(bending_length(f) == Approx(0.02));
+    // Mean over all directions of D_warp cos⁴ + D_weft sin⁴ + 2H cos² sin², (D_warp + D_weft + 2 D_bias)/4.
+    f.bending_weft = 0.5 * f.bending;
+    f.bending_bias = 1.25 * f.bending;
+    CHECK(bending_length(f) == Approx(0.02));
+    f.bending = 0.0;
+    f.bending_weft = f.bending_bias = std::nullopt;
+    CHECK(bending_length(f) == 0.0);
+}
 
 TEST_CASE("a fabric that makes no sense is refused with key, value and range", "[fabrics]") {
     check_refusals({

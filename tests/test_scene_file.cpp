@@ -11,6 +11,7 @@
 #include "pipeline/error.h"
 #include "pipeline/mesh_file.h"
 #include "pipeline/scene_file.h"
+#include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
 #include "temporary_folder.h"
@@ -695,7 +696,9 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("bump = \"high\"\n"), "cloth[0].bump: is a string; must be a number [m]"},
         {sheet("bump = 1979-05-27\n"), "cloth[0].bump: is a date or time; must be a number [m]"},
         {sheet("name = 3\n"), "cloth[0].name: is a whole number; must be a string"},
-        {sheet("fabric = 3\n"), "s.toml:3:10: cloth[0].fabric: is a whole number; must be a table"},
+        {sheet("fabric = 3\n"),
+         "s.toml:3:10: cloth[0].fabric: is a whole number; must be a fabric's name "
+         "or a table"},
         {sheet("[[collider]]\nenabled = 1\n"),
          "collider[0].enabled: is a whole number; must be true or false"},
         {sheet("[[pin]]\nvertices = 3\n"), "pin[0].vertices: is a whole number; must be an array"},
@@ -855,6 +858,25 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("[air]\nwinds = [1, 0, 0]\n"), "air.winds: unknown key; did you mean \"wind\" [m/s]?"},
         {sheet("[[air]]\n"), "air: is an array; must be a table, [air]"},
         // fabrics
+        {sheet("fabric = \"coton\"\n"),
+         "s.toml:3:10: cloth[0].fabric: there is no fabric \"coton\"; did you mean \"cotton\"? known: "
+         "cotton, "
+         "denim, jersey, "},
+        {sheet("fabric = \"quite another\"\n"), "there is no fabric \"quite another\"; known: cotton, "},
+        {sheet("fabric = { base = \"wol\" }\n"),
+         "s.toml:3:19: cloth[0].fabric.base: there is no fabric \"wol\"; did you mean \"wool\"?"},
+        {sheet("fabric = { base = 3 }\n"),
+         "s.toml:3:19: cloth[0].fabric.base: is a whole number; must be a fabric's name"},
+        {sheet("fabric = { bse = \"wool\" }\n"),
+         "s.toml:3:12: cloth[0].fabric.bse: unknown key; did you mean \"base\"?"},
+        {sheet("fabric = \"cotton\"\n"),
+         "cloth[0].fabric.strain_limit: needs integrator = \"implicit_euler\""},
+        {sheet("fabric = { base = \"denim\", poisson_ratio = 1.5, strain_limit = 0 }\n"),
+         "cloth[0].fabric.poisson_ratio: is 1.5; must lie between -1 and 1"},
+        {sheet("fabric = { base = \"cotton\", density = -0.2, strain_limit = 0 }\n"),
+         "cloth[0].fabric.density: is -0.2; must be greater than 0 kg/m²"},
+        {sheet("fabric = { base = \"cotton\", mu = 1, lambda = 1, young_modulus = 1, strain_limit = 0 }\n"),
+         "cloth[0].fabric.young_modulus: stands beside mu and lambda"},
         {sheet("fabric.membrane = \"neo_hokean\"\n"),
          "s.toml:3:19: cloth[0].fabric.membrane: is \"neo_hokean\"; did you mean \"neo_hookean\"?"},
         {sheet("fabric.bending_model = \"plates\"\n"), "must be one of quadratic, hinges"},
@@ -961,6 +983,52 @@ TEST_CASE("an override's choice of vertices takes the place of the file's", "[sc
     CHECK(f.scene.seams[0].sides[1].edge == "right");
     CHECK(!f.scene.seams[0].sides[1].greatest);
     CHECK(f.scene.seams[0].stiffness == 5.0);
+}
+
+TEST_CASE("a fabric is given by name, or by a name and what differs", "[scene_file]") {
+    const std::string implicit = "[simulation]\nintegrator = \"implicit_euler\"\n";
+    const auto fabric = [&](const std::string& value, const Overrides& overrides = {}) {
+        const SceneFile file = parse(sheet("fabric = " + value + "\n" + implicit), overrides);
+        INFO(file.resolved);
+        // The resolved scene holds the numbers, whatever becomes of the table.
+        CHECK_THAT(file.resolved, !Contains("base"));
+        check_same_fabric(parse(file.resolved).scene.cloths[0].fabric, file.scene.cloths[0].fabric);
+        return file.scene.cloths[0].fabric;
+    };
+    for (const NamedFabric& named : named_fabrics()) {
+        INFO(named.fabric.name);
+        check_same_fabric(fabric("\"" + named.fabric.name + "\""), named.fabric);
+    }
+    const Fabric& cotton = find_fabric("cotton")->fabric;
+    Fabric heavier = cotton;
+    heavier.density = 0.2;
+    check_same_fabric(fabric("{ density = 0.2, base = \"cotton\" }"), heavier);
+    heavier.name = "canvas";
+    check_same_fabric(fabric("{ base = \"cotton\", density = 0.2, name = \"canvas\" }"), heavier);
+    // Overrides know both ways of writing.
+    CHECK(fabric("\"cotton\"", {"cloth.fabric.density=0.3"}).density == 0.3);
+    CHECK(fabric("\"cotton\"", {"cloth.fabric.density=0.3"}).bending == cotton.bending);
+    CHECK(fabric("{ density = 0.2 }", {"cloth.fabric=silk"}).name == "silk");
+    CHECK(fabric("{ base = \"cotton\", density = 0.2 }", {"cloth.fabric.base=silk"}).name == "silk");
+    CHECK(fabric("{ base = \"cotton\", density = 0.2 }", {"cloth.fabric.base=silk"}).density == 0.2);
+    CHECK_THAT(refusal(sheet("fabric = \"cotton\"\n" + implicit), {"cloth.fabric=silc"}),
+               Catch::StartsWith("--set cloth.fabric=silc: cloth[0].fabric: there is no fabric"));
+}
+
+TEST_CASE("what changes a base leaves none of its values without a meaning", "[scene_file]") {
+    const auto fabric = [](const std::string& keys) {
+        return parse(sheet("fabric = { strain_limit = 0, " + keys + " }\n")).scene.cloths[0].fabric;
+    };
+    const Fabric plain = fabric("base = \"cotton\", membrane = \"neo_hookean\"");
+    CHECK(!plain.young_weft);
+    CHECK(!plain.shear_modulus);
+    CHECK(plain.young_modulus == find_fabric("cotton")->fabric.young_modulus);
+    CHECK(!fabric("base = \"cotton\", mu = 1, lambda = 1").young_weft);
+    CHECK(!fabric("base = \"cotton\", bending = 1e-3").bending_bias);
+    CHECK(fabric("base = \"cotton\", bending = 1e-3, bending_bias = 5e-4").bending_bias == 5e-4);
+    CHECK(fabric("base = \"cotton\", friction = 0.1").bending_bias);
+    CHECK(!fabric("base = \"paper\", bending_model = \"quadratic\"").yield_curvature);
+    CHECK(fabric("base = \"paper\"").yield_curvature);
 }
 
 TEST_CASE("zero leaves out a strain limit or a yield", "[scene_file]") {

@@ -37,11 +37,10 @@ constexpr auto wang_denim = "Wang et al. 2011, unstretched 11 oz denim with 1 % 
 constexpr auto wang_interlock = "Wang et al. 2011, unstretched cotton-polyester interlock, 60/40";
 constexpr auto wang_twill = "Wang et al. 2011, unstretched cotton-polyester trouser cloth, 65/35";
 constexpr auto wang_polyester = "Wang et al. 2011, unstretched polyester tablecloth";
-constexpr auto suitings = "Kawabata 1980, mean of men's winter suitings (KN-101)";
+constexpr auto suitings = "mean of men's winter suitings (Kawabata 1980, KN-101), as commonly quoted";
 constexpr auto soft_friction =
     "typical range 0.15-0.3 of smooth filament weaves, steel (KES-F) to cloth; chosen";
-constexpr auto rough_friction =
-    "typical range 0.3-0.6 of spun weaves on one another (Das et al. 2005); chosen";
+constexpr auto rough_friction = "typical range 0.3-0.6 of spun weaves on one another; chosen";
 
 const Data table[] = {
     {"cotton",
@@ -76,11 +75,12 @@ const Data table[] = {
      {0.25, "typical of twills, lower than of plain weaves (Hursa et al. 2009: 0.2-0.5); chosen"},
      {1.055, "KES-F extension of six denims at 490 N/m, Journal of Textiles 2016 4614168: 4.7-5.7 %"},
      BendingKind::quadratic,
-     {100e-6,
-      "Feng et al. 2022: four warp-stiff fabrics of 0.31-0.37 kg/m² have 98-189 µN m (Wang et al. 2011 give "
-      "60-120); chosen there for a Cusick drape of 70-90 %"},
-     {35e-6, "Feng et al. 2022: the same four have 16-41 µN m"},
-     {45e-6, "Feng et al. 2022: the same four have 36-66 µN m"},
+     {120e-6,
+      "Feng et al. 2022: five warp-stiff fabrics of 0.31-0.37 kg/m² have 98-189 µN m; chosen there for a "
+      "Cusick "
+      "drape of 70-90 % (Wang et al. 2011: 60-120)"},
+     {40e-6, "Feng et al. 2022: the same five have 16-51 µN m"},
+     {52e-6, "Feng et al. 2022: the same five have 36-66 µN m"},
      std::nullopt,
      {0.015, "KES-F resilience RT of six denims, Journal of Textiles 2016 4614168: 54 %, η = 0.29"},
      {0.03, "KES-F hysteresis of six denims, Journal of Textiles 2016 4614168: 2HB/B = 0.9 /cm, η = 0.57"},
@@ -110,20 +110,18 @@ const Data table[] = {
      MembraneKind::corotational,
      {0.48, "0.8 mm of typically 600 kg/m³"},
      {0.8e-3, "Memon et al. 2021: 0.64-0.96 mm; middle taken"},
-     {16e3,
-      "Efendioglu 2025 (ISO 3376): 77 MPa in the mean up to break; a quarter of it chosen for the soft start "
-      "of "
-      "the curve"},
+     {4e3,
+      "chosen: E = 5 MPa for the soft start of the curve, with which the drape comes out as Memon et al. "
+      "2021 "
+      "measured, 47-70 % (Efendioglu 2025, ISO 3376: 77 MPa in the mean up to break)"},
      std::nullopt,
      std::nullopt,
      {0.4, "typical range 0.3-0.5; middle taken"},
      {1.1, "typical extension of garment leather under wear loads, 5-15 %; middle taken"},
      BendingKind::quadratic,
-     {20e-6,
-      "Memon et al. 2021: 9.2-22, read as µN m, which fits its drape coefficients of 47-70 % and not 98.1 µN "
-      "m each"},
-     {20e-6, "as along the back"},
-     {20e-6, "isotropic"},
+     {16e-6, "Memon et al. 2021: 9.2-22, read as µN m; middle taken"},
+     {16e-6, "as along the back"},
+     {16e-6, "isotropic"},
      std::nullopt,
      {0.015, "no measurement found; as of cotton"},
      {0.02, "no measurement found; as of cotton"},
@@ -133,11 +131,11 @@ const Data table[] = {
      MembraneKind::corotational,
      {0.080, "nominal, ISO 536 grade 80 g/m²"},
      {0.1e-3, "typical range 0.09-0.11 mm of 80 g/m² copy paper"},
-     {4e5, "typical range of E 3-5 GPa (Niskanen, Paper Physics); 4 GPa taken"},
+     {4e5, "typical range of E 3-5 GPa; 4 GPa taken"},
      std::nullopt,
      std::nullopt,
-     {0.3, "typical range 0.15-0.4 (Niskanen, Paper Physics); middle taken"},
-     {1.01, "breaks at 1.5-3 %, leaves the elastic range before 1 % (Niskanen, Paper Physics)"},
+     {0.3, "typical range 0.15-0.4; middle taken"},
+     {1.01, "breaks at 1.5-3 %, leaves the elastic range before 1 %"},
      BendingKind::hinges,
      {450e-6, "E h³/12/(1-ν²) with E = 4.9 GPa along the machine direction; machine : cross about 2 : 1"},
      {225e-6, "half of the machine direction's"},
@@ -146,7 +144,7 @@ const Data table[] = {
             "surface strain κ h/2 = 0.5 %, where stress-strain curves leave the straight line; chosen"},
      {0.002, "typical loss factor of paper 0.03-0.05: η = 0.04"},
      {0.002, "typical loss factor of paper 0.03-0.05: η = 0.04"},
-     {0.4, "typical range 0.3-0.6 of paper on paper (ISO 15359); chosen"}},
+     {0.4, "typical range 0.3-0.6 of paper on paper; chosen"}},
     {"polyester",
      "plain-woven dress cloth of filament yarn",
      MembraneKind::st_venant_kirchhoff,
@@ -173,12 +171,12 @@ const Data table[] = {
      {0.040, "MIL-C-44378 type I, 1.17 oz/yd²"},
      {0.076e-3, "MIL-C-44378 type I, 0.003 in"},
      {15e3,
-      "about a third of the 43 kN/m (0.43 GPa, 0.1 mm) common for inflated canopies (after Tutt and Taylor "
-      "2004): "
-      "crimp comes out first; chosen"},
+      "a third of the 43 kN/m (0.43 GPa, 0.1 mm) common in simulations of inflated canopies, since crimp "
+      "comes out "
+      "first; chosen"},
      Number{15e3, "as along the warp"},
      Number{110.0, "typical KES-F range of tight filament weaves 1-3 gf/(cm degree); 2 taken"},
-     {0.14, "common for canopies (after Tutt and Taylor 2004)"},
+     {0.14, "common in simulations of canopies"},
      {1.04, "typical KES-F extension of filament nylon at 490 N/m, 2-5 %; chosen"},
      BendingKind::quadratic,
      {6e-6,
@@ -282,10 +280,9 @@ const NamedFabric* find_fabric(const std::string& name) {
 }
 
 double bending_length(const Fabric& f) {
-    const double weft = f.bending_weft.value_or(f.bending);
-    // An ellipse through both: at 45 degrees the harmonic mean.
-    const double sum = f.bending + weft;
-    const double bias = f.bending_bias.value_or(sum > 0.0 ? 2.0 * f.bending * weft / sum : 0.0);
+    const double weft = f.bending_weft.value_or(f.bending), sum = f.bending + weft;
+    // Without a bias of its own: as bending_rigidity() has it.
+    const double bias = f.bending_bias.value_or(0.25 * (sum + 2.0 * std::sqrt(f.bending * weft)));
     return std::cbrt(0.25 * (sum + 2.0 * bias) / (f.density * 9.81));
 }
 
