@@ -200,12 +200,12 @@ const Data table[] = {
      {0.3, "typical range 0.2-0.5 of weaves (Hursa et al. 2009); chosen"},
      {1.06, "typical KES-F extension of dress silks at 490 N/m, 3-8 %; middle taken"},
      BendingKind::quadratic,
-     {2.2e-6,
+     {1.8e-6,
       "typical KES-F range of dress silks 0.015-0.05 gf cm²/cm, 1.5-5 µN m; chosen there for a Cusick drape "
       "of "
       "20-40 % (Matsudaira and Yang 2003)"},
-     {1.6e-6, "as along the warp; Feng et al. 2022: weft 0.68 of warp in the median"},
-     {1.85e-6, bias_of_many},
+     {1.3e-6, "as along the warp; Feng et al. 2022: weft 0.68 of warp in the median"},
+     {1.5e-6, bias_of_many},
      std::nullopt,
      {0.01, "typical KES-F resilience RT of 65 %: η = 0.22"},
      {0.01, "typical KES-F hysteresis 2HB/B of silks of 0.3 /cm: η = 0.19"},
