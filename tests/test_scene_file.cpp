@@ -902,6 +902,15 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
          "s.toml:4:14: cloth[0].resolution: belongs to a grid, but the cloth has a mesh; give one of the "
          "two"},
         {sheet("pose = \"none.obj\"\n"), "s.toml:3:8: cloth[0].pose: "},
+        {sheet("radius = 0.15\nresolution = 3\n"),
+         "s.toml:4:14: cloth[0].resolution: belongs to a grid, but the cloth has a radius; give one of the "
+         "two"},
+        {sheet("rings = 4\n"), "s.toml:3:9: cloth[0].rings: belongs to a disc; give its radius too"},
+        {sheet("radius = 0.15\nrings = 0\n"), "s.toml:4:9: cloth[0].rings: is 0; must be 1 … 1000"},
+        {sheet("radius = -1\n"), "cloth[0].radius: is -1; must be greater than 0 m"},
+        {sheet("radius = 0.15\nmesh = \"none.obj\"\n"),
+         "s.toml:3:10: cloth[0].radius: belongs to a disc, but the cloth has a mesh; give one of the two"},
+        {sheet("radius = 0.15\n[[pin]]\nedge = \"top\"\n"), "names a grid's edge; this cloth is no grid"},
     };
     for (const Case& c : cases) {
         INFO(c.text);
@@ -932,7 +941,7 @@ TEST_CASE("a mesh's fault is told with the scene's place and the mesh's line", "
     CHECK_THAT(told("mesh = \"good.obj\"\npose = \"four.obj\"\n"),
                Contains("s.toml:4:8: cloth[0].pose: has 4 vertices; the rest shape has 3"));
     CHECK_THAT(told("mesh = \"good.obj\"\n[[pin]]\nedge = \"top\"\n"),
-               Contains("s.toml:5:8: pin[0].edge: names a grid's edge; this cloth is a mesh"));
+               Contains("s.toml:5:8: pin[0].edge: names a grid's edge; this cloth is no grid"));
     CHECK(told("mesh = \"good.obj\"\n") == "");
 }
 

@@ -541,6 +541,8 @@ struct ClothEntry {
     std::optional<Vec2> size;
     std::optional<Resolution> resolution;
     std::optional<Diagonals> diagonals;
+    std::optional<double> radius;
+    std::optional<int> rings;
     std::optional<std::string> mesh, pose;
     LookEntry look{.color = {Vec3(0.72, 0.16, 0.14)}, .back_color = {}, .sheen = 0.35};
     int subdivisions = 1;
@@ -552,7 +554,9 @@ struct ClothEntry {
                    field("resolution", "", "of a grid: vertices per side, one number or [along x, along y]",
                          resolution),
                    choice("diagonals", "of a grid: how squares are cut", diagonals, diagonal_names),
-                   field("mesh", "file", "rest shape, instead of a grid", mesh),
+                   field("radius", "m", "of a disc, instead of a grid", radius),
+                   field("rings", "", "of a disc: rings of vertices around the middle one", rings),
+                   field("mesh", "file", "rest shape, instead of a grid or disc", mesh),
                    field("pose", "file", "mesh of the start positions; default: the rest shape", pose),
                    field("scale", "", "of the start pose", desc.transform.scale),
                    field("rotate", "degree", "of the start pose, about fixed x, then y, then z",
@@ -1044,8 +1048,11 @@ class Reader {
                 if (other != plain) table.erase(other.substr(prefix.size()));
             }
         }
-        if (plain == "cloth.mesh") {
+        if (plain == "cloth.mesh" || plain == "cloth.radius") {
             for (const char* key : {"size", "resolution", "diagonals"}) table.erase(key);
+        }
+        if (plain == "cloth.mesh") {
+            for (const char* key : {"radius", "rings"}) table.erase(key);
         }
     }
 
@@ -1205,18 +1212,31 @@ void resolve_cloths(Reader& reader, Document& d) {
     for (std::size_t i = 0; i < d.cloths.size(); ++i) {
         ClothEntry& c = d.cloths[i];
         const std::string key = entry("cloth", i);
-        if (c.mesh) {
+        if (c.mesh || c.radius) {
             for (const auto& [given, name] :
                  {std::pair{c.size.has_value(), "size"}, std::pair{c.resolution.has_value(), "resolution"},
                   std::pair{c.diagonals.has_value(), "diagonals"}}) {
                 if (given) {
                     reader.fail(key + "." + name,
-                                "belongs to a grid, but the cloth has a mesh; give one of the two");
+                                fmt::format("belongs to a grid, but the cloth has a {}; give "
+                                            "one of the two",
+                                            c.mesh ? "mesh" : "radius"));
                 }
+            }
+        }
+        if (c.rings && !c.radius) reader.fail(key + ".rings", "belongs to a disc; give its radius too");
+        if (c.mesh) {
+            if (c.radius) {
+                reader.fail(key + ".radius",
+                            "belongs to a disc, but the cloth has a mesh; give one of the two");
             }
             const fs::path path = reader.find_file(*c.mesh);
             c.mesh = path.string();
             c.desc.mesh = load(reader, key + ".mesh", path, read_mesh);
+        } else if (c.radius) {
+            c.desc.disc = Disc{.radius = *c.radius};
+            if (c.rings) c.desc.disc->rings = *c.rings;
+            c.rings = c.desc.disc->rings;
         } else {
             if (c.size) c.desc.grid.size = *c.size;
             if (c.resolution) c.desc.grid.resolution = c.resolution->count;
@@ -1446,8 +1466,8 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
         }
         const auto selected = [&](const VertexSelection& selection, int cloth, const std::string& key) {
             const ClothDesc& c = d.scene.cloths[cloth];
-            return select_vertices(selection, start_positions(c, c.mesh ? *c.mesh : make_grid(c.grid)), key,
-                                   c.mesh ? nullptr : &c.grid)
+            return select_vertices(selection, start_positions(c, rest_shape(c)), key,
+                                   c.mesh || c.disc ? nullptr : &c.grid)
                 .size();
         };
         for (std::size_t i = 0; i < d.scene.pins.size(); ++i)

@@ -13,33 +13,54 @@
 namespace cloth {
 namespace {
 
-/// The sum of the model's energies and of those of a step.
+/// The sum of the model's energies and of those of a step, each with its weight.
 class Potential {
   public:
-    Potential(const Model& model, const std::vector<Energy*>& of_this_step) {
-        for (const auto& energy : model.energies) terms_.push_back(energy.get());
-        for (Energy* energy : of_this_step) terms_.push_back(energy);
+    struct Term {
+        const Energy* energy;
+        double weight = 1.0;
+    };
+    Potential(const Model& model, const std::vector<Term>& of_this_step) {
+        for (const auto& energy : model.energies) terms_.push_back({energy.get()});
+        terms_.insert(terms_.end(), of_this_step.begin(), of_this_step.end());
     }
     double value(const VecX& x) const {
         double sum = 0.0;
-        for (const Energy* term : terms_) sum += term->value(x);
+        for (const Term& term : terms_) sum += term.weight * term.energy->value(x);
         return sum;
     }
     void gradient(const VecX& x, VecX& g) const {
         g.setZero(x.size());
-        for (const Energy* term : terms_) term->add_gradient(x, g);
+        for (const Term& term : terms_) {
+            if (term.weight == 1.0) {
+                term.energy->add_gradient(x, g);
+            } else {
+                VecX part = VecX::Zero(x.size());
+                term.energy->add_gradient(x, part);
+                g += term.weight * part;
+            }
+        }
     }
     void hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
-        for (const Energy* term : terms_) term->add_hessian(x, kind, H);
+        for (const Term& term : terms_) {
+            if (term.weight == 1.0) {
+                term.energy->add_hessian(x, kind, H);
+            } else {
+                BlockMatrix part;
+                part.blocks.assign(H.blocks.size(), Mat3::Zero());
+                term.energy->add_hessian(x, kind, part);
+                for (std::size_t s = 0; s < H.blocks.size(); ++s) H.blocks[s] += term.weight * part.blocks[s];
+            }
+        }
     }
     double largest_share(const VecX& x, const VecX& d) const {
         double share = 1.0;
-        for (const Energy* term : terms_) share = std::min(share, term->largest_share(x, d));
+        for (const Term& term : terms_) share = std::min(share, term.energy->largest_share(x, d));
         return share;
     }
 
   private:
-    std::vector<const Energy*> terms_;
+    std::vector<Term> terms_;
 };
 
 /// Terms that are made anew for each stage, and the potential that they are part of.
@@ -48,12 +69,12 @@ struct StagePotential {
     std::optional<ColliderContactEnergy> penalty;
     Potential potential;
 
-    /// `start`: positions that friction slides from.
+    /// `start`: positions that friction slides from; `dissipation`: weight of the terms that store nothing.
     StagePotential(const Model& model, const State& state, const Stage& stage, const VecX& start,
-                   Workspace& w)
+                   Workspace& w, double dissipation = 1.0)
         : drags(model.scene.drags, state.drags, stage.time),
           penalty(make_penalty(model, state, stage, start)),
-          potential(model, bind(model, stage, w)) {}
+          potential(model, bind(model, stage, w, dissipation)) {}
     StagePotential(const StagePotential&) = delete;
 
   private:
@@ -64,16 +85,19 @@ struct StagePotential {
         return ColliderContactEnergy(model.scene.colliders, state.collider_on, start,
                                      options.contact_stiffness, stage.h, options.sliding_speed);
     }
-    std::vector<Energy*> bind(const Model& model, const Stage& stage, Workspace& w) {
+    std::vector<Potential::Term> bind(const Model& model, const Stage& stage, Workspace& w,
+                                      double dissipation) {
         drags.bind(model.pattern);
-        std::vector<Energy*> terms{&drags};
+        std::vector<Potential::Term> terms{{&drags}};
         if (penalty) {
             penalty->bind(model.pattern);
-            terms.push_back(&*penalty);
+            terms.push_back({&*penalty});
         }
         for (const auto& energy : w.stage_energies) {
+            const double weight = energy->conservative() ? 1.0 : dissipation;
+            if (weight == 0.0) continue;
             energy->begin(stage);
-            terms.push_back(energy.get());
+            terms.push_back({energy.get(), weight});
         }
         return terms;
     }
@@ -135,8 +159,9 @@ bool factorize_newton_system(const Model& model, const Potential& potential, con
 bool step_linearly_implicit(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                             Workspace& w, StepReport& report) {
     const SimulationDesc& options = model.scene.simulation;
-    const StagePotential stage(model, state, {state.positions, dt, state.time + dt, state}, state.positions,
-                               w);
+    const VecX start = state.positions;
+    const Stage step{{{1.0, start}}, dt, state.time + dt, state};
+    const StagePotential stage(model, state, step, start, w);
     std::vector<FilterContact> filtered;
     if (options.contact == ContactKind::velocity_filter) {
         filtered = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
@@ -329,7 +354,7 @@ class FilterOfStep {
 
 bool step_implicit_euler(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                          Workspace& w, StepReport& report) {
-    const Stage stage{state.positions, dt, state.time + dt, state};
+    const Stage stage{{{1.0, state.positions}}, dt, state.time + dt, state};
     const StagePotential terms(model, state, stage, state.positions, w);
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
@@ -338,7 +363,7 @@ bool step_implicit_euler(const Model& model, State& state, double dt, const std:
                   report)) {
         return false;
     }
-    state.velocities = (x - stage.base) / dt;
+    state.velocities = (x - state.positions) / dt;
     filter.apply(dt, x, state.velocities);
     state.positions = x;
     return true;
@@ -347,7 +372,7 @@ bool step_implicit_euler(const Model& model, State& state, double dt, const std:
 bool step_implicit_midpoint(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                             Workspace& w, StepReport& report) {
     const double h = 0.5 * dt;
-    const Stage stage{state.positions, h, state.time + h, state};
+    const Stage stage{{{1.0, state.positions}}, h, state.time + h, state};
     const StagePotential terms(model, state, stage, state.positions, w);
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
@@ -379,19 +404,20 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
     const FilterOfStep filter(model, state, report);
     const VecX q = state.positions, v = state.velocities;
 
-    // The forces at the start: those of a stage that ends there with the velocities v.
+    // The forces at the start, dissipation apart: that of the first stage is taken at its mean velocity.
     VecX force;
     {
-        const Stage stage{q - h * v, h, state.time, state};
-        const StagePotential terms(model, state, stage, stage.base, w);
+        const VecX before = q - h * v;
+        const Stage stage{{{1.0, before}}, h, state.time, state};
+        const StagePotential terms(model, state, stage, before, w, 0.0);
         terms.potential.gradient(q, force);
         force *= -1.0;
         zero_pinned(pins, force);
     }
     VecX x = q, v_gamma;
     {
-        const Stage stage{q + h * v, h, state.time + gamma * dt, state};
-        const StagePotential terms(model, state, stage, q, w);
+        const Stage stage{{{1.0, q}}, 2.0 * h, state.time + gamma * dt, state};
+        const StagePotential terms(model, state, stage, q, w, 2.0);
         if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
         std::vector<Pin> part = pins;
         for (Pin& pin : part) {
@@ -399,15 +425,17 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
             if (pin.position != from) pin.position = from + gamma * (pin.position - from);
         }
         if (!minimize(model, {terms.potential, part, h, q + 2.0 * h * v, force}, x, w, report)) return false;
-        v_gamma = (x - stage.base) / h;
+        v_gamma = (x - q) / h - v;
         for (const Pin& pin : pins) v_gamma.segment<3>(3 * pin.vertex) = v.segment<3>(3 * pin.vertex);
     }
     const double c1 = 1.0 / (gamma * (2.0 - gamma)), c0 = (1.0 - gamma) * (1.0 - gamma) * c1;
-    const Stage stage{c1 * x - c0 * q, h, state.time + dt, state};
-    const StagePotential terms(model, state, stage, x, w);
-    VecX y = stage.base + h * (c1 * v_gamma - c0 * v);
+    const VecX x_gamma = x;
+    const Stage stage{{{c1, x_gamma}, {-c0, q}}, h, state.time + dt, state};
+    const StagePotential terms(model, state, stage, x_gamma, w);
+    const VecX base = stage.base();
+    VecX y = base + h * (c1 * v_gamma - c0 * v);
     if (!minimize(model, {terms.potential, pins, h, std::move(y)}, x, w, report)) return false;
-    state.velocities = (x - stage.base) / h;
+    state.velocities = (x - base) / h;
     for (const Pin& pin : pins) {
         state.velocities.segment<3>(3 * pin.vertex) = (pin.position - q.segment<3>(3 * pin.vertex)) / dt;
     }
@@ -487,7 +515,7 @@ namespace {
 double stored_energy(const Model& model, const State& state,
                      const std::vector<std::unique_ptr<StageEnergy>>& stage_energies) {
     DragEnergy drags(model.scene.drags, state.drags, state.time);
-    double energy = kinetic_energy(model, state) + Potential(model, {&drags}).value(state.positions);
+    double energy = kinetic_energy(model, state) + Potential(model, {{&drags}}).value(state.positions);
     const SimulationDesc& options = model.scene.simulation;
     if (options.contact == ContactKind::penalty) {
         energy += ColliderContactEnergy(model.scene.colliders, state.collider_on, state.positions,
@@ -496,7 +524,7 @@ double stored_energy(const Model& model, const State& state,
     }
     for (const auto& term : stage_energies) {
         if (!term->conservative()) continue;
-        term->begin({state.positions, model.time_step, state.time, state});
+        term->begin({{{1.0, state.positions}}, model.time_step, state.time, state});
         energy += term->value(state.positions);
     }
     return energy;
