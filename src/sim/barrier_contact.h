@@ -43,15 +43,15 @@ struct ContactSystem {
         Vec3 point = Vec3::Zero(), normal = Vec3::UnitY();  ///< at the start
         double radius = 0.0, friction = 0.0;
     };
-    ContactMesh mesh;                ///< cloth first
-    int cloth_vertices = 0;          ///< n; the extended positions have those of colliders behind them
-    VecX rest;                       ///< cloth: rest shape; colliders: as placed at the start, shape (3N) [m]
-    std::vector<double> mass;        ///< of cloth vertices, shape (n) [kg]
-    std::vector<double> friction;    ///< Coulomb coefficient, one per body
+    ContactMesh mesh;              ///< cloth first
+    int cloth_vertices = 0;        ///< n; the extended positions have those of colliders behind them
+    VecX rest;                     ///< cloth: rest shape; colliders: as placed at the start, shape (3N) [m]
+    std::vector<double> mass;      ///< of cloth vertices, shape (n) [kg]
+    std::vector<double> friction;  ///< Coulomb coefficient, one per body
     std::vector<Plane> planes;
-    double activation = 1e-3;        ///< ĝ [m]
-    double sliding_speed = 1e-5;     ///< [m/s]
-    double acceleration = 10.0;      ///< |gravity| + ĝ/dt² [m/s²]
+    double activation = 1e-3;     ///< ĝ [m]
+    double sliding_speed = 1e-5;  ///< [m/s]
+    double acceleration = 10.0;   ///< |gravity| + ĝ/dt² [m/s²]
 };
 
 /// Where a collider stands: p → R p + t.
@@ -72,10 +72,10 @@ struct ExtraBlocks {
 };
 
 struct Overlap {
-    std::array<int, 2> faces{-1, -1};     ///< two triangles that cross, in ContactMesh numbers; or
+    std::array<int, 2> faces{-1, -1};           ///< two triangles that cross, in ContactMesh numbers; or
     std::array<int, 4> points{-1, -1, -1, -1};  ///< a pair nearer than its thickness; a plane: one vertex
-    double gap = 0.0;                     ///< [m]
-    int body_a = -1, body_b = -1;         ///< body_b = -1 - p: plane p
+    double gap = 0.0;                           ///< [m]
+    int body_a = -1, body_b = -1;               ///< body_b = -1 - p: plane p
 };
 
 class BarrierContact final : public Energy {
@@ -84,8 +84,8 @@ class BarrierContact final : public Energy {
 
     const ContactSystem& system() const { return system_; }
 
-    /// Starts a stage: colliders move from `from` to `to` (one per scene collider), `on` says which are there.
-    /// Friction's weights and forces are those at `x` with the colliders at `from`; ways count from
+    /// Starts a stage: colliders move from `from` to `to` (one per scene collider), `on` says which are
+    /// there. Friction's weights and forces are those at `x` with the colliders at `from`; ways count from
     /// `slide_from`. The colliders stand at `from` until place() has moved them.
     void begin(const VecX& x, const VecX& slide_from, double h, const std::vector<Placement>& from,
                const std::vector<Placement>& to, const std::vector<std::uint8_t>& on);
