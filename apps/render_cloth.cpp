@@ -238,12 +238,6 @@ ExitCode conclude(const RunSummary& summary, const fs::path& out) {
                 : fmt::format("interrupted: {} drawn of {} are kept in {}", plural(summary.images, "picture"),
                               summary.frames, out.string()));
     fmt::print("{}\n", last_line(summary, out));
-    if (!summary.unconverged.empty())
-        throw Error(
-            ExitCode::not_converged,
-            fmt::format("{}: {} did not converge, first frame {}, worst residual {:.2g}; all frames are kept",
-                        summary.scene, plural(static_cast<std::int64_t>(summary.unconverged.size()), "frame"),
-                        summary.unconverged.front(), summary.worst_residual));
     return ExitCode::good;
 }
 

@@ -203,9 +203,32 @@ TEST_CASE("a step that may not iterate enough says that it did not converge", "[
     Scene scene = seed_scene();
     scene.simulation.integrator = IntegratorKind::implicit_euler;
     scene.simulation.newton_iterations = 1;
+    scene.simulation.retries = 0;
     scene.cloths[0].velocity = Vec3(0.0, 0.0, 30.0);
     Simulation simulation(scene);
-    CHECK_FALSE(simulation.step().converged);
+    const StepReport report = simulation.step();
+    CHECK_FALSE(report.converged);
+    CHECK(report.residual > scene.simulation.newton_tolerance);
+    CHECK(report.worst_vertex);
+    CHECK(simulation.state().positions == start_state(simulation.model()).positions);
+    CHECK(simulation.state().step == 0);
+}
+
+TEST_CASE("a step that does not converge is made in halves", "[physics]") {
+    Scene scene = seed_scene();
+    scene.simulation.integrator = IntegratorKind::implicit_euler;
+    scene.simulation.newton_iterations = 4;
+    scene.simulation.newton_tolerance = 1e-4;
+    scene.cloths[0].velocity = Vec3(0.0, 0.0, 30.0);
+    Simulation simulation(scene);
+    int retries = 0;
+    for (int i = 0; i < 10; ++i) {
+        const FrameReport report = simulation.advance_frame();
+        REQUIRE(report.converged);
+        retries += report.retries;
+        CHECK(simulation.state().time == Approx(1e-3 * (i + 1)));
+    }
+    CHECK(retries > 0);
 }
 
 TEST_CASE("a linearly implicit step is the first Newton iterate of an implicit one", "[physics]") {
@@ -217,6 +240,7 @@ TEST_CASE("a linearly implicit step is the first Newton iterate of an implicit o
     Simulation linear(scene);
     scene.simulation.integrator = IntegratorKind::implicit_euler;
     scene.simulation.newton_iterations = 1;
+    scene.simulation.newton_tolerance = 0.5;
     Simulation newton(scene);
     linear.step();
     newton.step();

@@ -135,11 +135,14 @@ std::vector<State> simulate(Simulation& simulation, const std::string& scene,
                             const std::vector<std::int64_t>& frames) {
     std::vector<State> states;
     for (std::int64_t frame = 0; frame <= frames.back(); ++frame) {
-        if (frame > 0) simulation.advance_frame();
+        const bool converged = frame == 0 || simulation.advance_frame().converged;
         if (const std::string fault = state_fault(simulation.state()); !fault.empty())
             throw Error(ExitCode::not_converged,
                         fmt::format("{}: the simulation diverged: in frame {} {}; the last good frame is {}",
                                     scene, frame, fault, frame - 1));
+        if (!converged)
+            throw Error(ExitCode::not_converged,
+                        fmt::format("{}: a step of frame {} did not converge", scene, frame));
         if (std::binary_search(frames.begin(), frames.end(), frame)) {
             states.push_back(simulation.state());
             states.back().frame = frame;

@@ -293,7 +293,6 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
                         {"size_pixel", {summary.width, summary.height}},
                         {"playback_rate_hz", summary.playback_rate},
                         {"movie", summary.movie.filename().string()}};
-    report["unconverged_frames"] = summary.unconverged;
     report["times_s"] = times_json(summary.times);
     auto frames = nlohmann::ordered_json::array();
     for (const FrameRecord& record : summary.records) {
@@ -303,6 +302,7 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
                           {"converged", r.converged},
                           {"iterations", r.iterations},
                           {"residual", r.residual},
+                          {"retries", r.retries},
                           {"energy_before_J", r.energy_before},
                           {"energy_after_J", r.energy_after},
                           {"largest_stretch", r.largest_stretch},
@@ -411,6 +411,21 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
                                       file.name, frame, fault, kept))));
                 return;
             }
+            if (!record.report.converged) {
+                const SimulationDesc& settings = simulation.model().scene.simulation;
+                const int vertex = record.report.worst_vertex.value_or(0);
+                const Vec3 place = simulation.state().positions.segment<3>(3 * vertex);
+                stages.fail_later(std::make_exception_ptr(
+                    Error(ExitCode::not_converged,
+                          fmt::format(
+                              "{}: frame {}: the step from {:.6g} s did not converge, not even cut into {} "
+                              "parts: residual {:.2g}, must be {:.2g}; farthest from balance is vertex {} at "
+                              "({:.4g}, {:.4g}, {:.4g}); frames up to {} are kept in {}",
+                              file.name, frame, simulation.state().time, 1 << settings.retries,
+                              record.report.residual, settings.newton_tolerance, vertex, place.x(), place.y(),
+                              place.z(), frame - 1, out.string()))));
+                return;
+            }
             const Stopwatch watch;
             auto state = std::make_shared<State>(simulation.state());
             state->frame = frame;
@@ -418,10 +433,6 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
             record.state_hash = state_hash(*state);
             summary.times.store += watch.seconds();
             ++summary.states;
-            if (!record.report.converged) {
-                summary.unconverged.push_back(frame);
-                summary.worst_residual = std::max(summary.worst_residual, record.report.residual);
-            }
             summary.records.push_back(std::move(record));
             stages.step(&Progress::simulated);
             if (!stages.deliver(std::move(state))) return;

@@ -53,8 +53,6 @@ struct RunSummary {
     double playback_rate = 0;   ///< [1/s]
     bool interrupted = false;
     std::vector<FrameRecord> records;
-    std::vector<std::int64_t> unconverged;  ///< frames with a step that missed its tolerance
-    double worst_residual = 0;              ///< among them
     StageTimes times;
     std::string renderer, encoder;  ///< versions; empty where not used
     std::filesystem::path movie;    ///< empty where none was made

@@ -16,7 +16,7 @@ class Energy {
     virtual ~Energy() = default;
     virtual std::string_view name() const = 0;
 
-    /// Energy at positions x, shape (3n) [J].
+    /// Energy at positions x, shape (3n) [J]; infinite where x is not allowed (a strain limit).
     virtual double value(const VecX& x) const = 0;
     /// Adds the gradient [N] to g, shape (3n).
     virtual void add_gradient(const VecX& x, VecX& g) const = 0;
@@ -27,6 +27,23 @@ class Energy {
     virtual void append_pairs(std::vector<std::array<int, 2>>& pairs) const = 0;
     /// Looks up where its blocks lie; called once, before the first add_hessian.
     virtual void bind(const BlockPattern& pattern) = 0;
+
+    /// The share, in [0, 1], of the straight way from x to x + d that is free for certain.
+    virtual double largest_share(const VecX& /*x*/, const VecX& /*d*/) const { return 1.0; }
+};
+
+/// What a solve knows of its step. Velocities within it are (x - base) / h, with x the positions solved for.
+struct Stage {
+    VecX base;          ///< shape (3n) [m]
+    double h = 0.0;     ///< [s]
+    double time = 0.0;  ///< at the solve's end [s]
+};
+
+/// A term that depends on the step: dissipation (a potential whose gradient is minus the force at the
+/// velocities (x - base)/h), moving springs. One for a run; told about each stage before it is asked.
+class StageEnergy : public Energy {
+  public:
+    virtual void begin(const Stage& stage) = 0;
 };
 
 }  // namespace cloth

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <optional>
 
 #include "sim/contact.h"
@@ -14,16 +13,12 @@
 namespace cloth {
 namespace {
 
-/// The sum of the model's energies and of those that hold for one step only.
+/// The sum of the model's energies and of those of a step.
 class Potential {
   public:
-    Potential(const Model& model, std::initializer_list<Energy*> of_this_step) {
+    Potential(const Model& model, const std::vector<Energy*>& of_this_step) {
         for (const auto& energy : model.energies) terms_.push_back(energy.get());
-        for (Energy* energy : of_this_step) {
-            if (!energy) continue;
-            energy->bind(model.pattern);
-            terms_.push_back(energy);
-        }
+        for (Energy* energy : of_this_step) terms_.push_back(energy);
     }
     double value(const VecX& x) const {
         double sum = 0.0;
@@ -37,9 +32,51 @@ class Potential {
     void hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
         for (const Energy* term : terms_) term->add_hessian(x, kind, H);
     }
+    double largest_share(const VecX& x, const VecX& d) const {
+        double share = 1.0;
+        for (const Energy* term : terms_) share = std::min(share, term->largest_share(x, d));
+        return share;
+    }
 
   private:
     std::vector<const Energy*> terms_;
+};
+
+/// Terms that are made anew for each stage, and the potential that they are part of.
+struct StagePotential {
+    DragEnergy drags;
+    std::optional<ColliderContactEnergy> penalty;
+    Potential potential;
+
+    /// `start`: positions that friction slides from.
+    StagePotential(const Model& model, const State& state, const Stage& stage, const VecX& start,
+                   Workspace& w)
+        : drags(model.scene.drags, state.drags, stage.time),
+          penalty(make_penalty(model, state, stage, start)),
+          potential(model, bind(model, stage, w)) {}
+    StagePotential(const StagePotential&) = delete;
+
+  private:
+    static std::optional<ColliderContactEnergy> make_penalty(const Model& model, const State& state,
+                                                             const Stage& stage, const VecX& start) {
+        const SimulationDesc& options = model.scene.simulation;
+        if (options.contact != ContactKind::penalty) return std::nullopt;
+        return ColliderContactEnergy(model.scene.colliders, state.collider_on, start,
+                                     options.contact_stiffness, stage.h, options.sliding_speed);
+    }
+    std::vector<Energy*> bind(const Model& model, const Stage& stage, Workspace& w) {
+        drags.bind(model.pattern);
+        std::vector<Energy*> terms{&drags};
+        if (penalty) {
+            penalty->bind(model.pattern);
+            terms.push_back(&*penalty);
+        }
+        for (const auto& energy : w.stage_energies) {
+            energy->begin(stage);
+            terms.push_back(energy.get());
+        }
+        return terms;
+    }
 };
 
 double kinetic_energy(const Model& model, const VecX& v, VecX& scratch) {
@@ -47,30 +84,44 @@ double kinetic_energy(const Model& model, const VecX& v, VecX& scratch) {
     return 0.5 * v.dot(scratch);
 }
 
-void zero_pinned(const Model& model, VecX& v) {
-    for (int i : model.pinned) v.segment<3>(3 * i).setZero();
+void zero_pinned(const std::vector<Pin>& pins, VecX& v) {
+    for (const Pin& pin : pins) v.segment<3>(3 * pin.vertex).setZero();
 }
 
-/// system = M + dt² H(x)
-void assemble_system(const Model& model, const Potential& potential, const VecX& x, HessianKind kind,
-                     BlockMatrix& system) {
-    const double dt = model.time_step;
+/// Makes the solver leave out the vertices of `pins` and no others.
+void leave_out(const Model& model, const std::vector<Pin>& pins, Workspace& w) {
+    std::vector<int> vertices;
+    for (const Pin& pin : pins) vertices.push_back(pin.vertex);
+    if (vertices == w.pinned) return;
+    w.solver = SparseSolver(model.pattern, vertices);
+    w.pinned = std::move(vertices);
+}
+
+/// system = M + h² H(x)
+void assemble_system(const Model& model, const Potential& potential, const VecX& x, double h,
+                     HessianKind kind, BlockMatrix& system) {
     system.reset(model.pattern);
     potential.hessian(x, kind, system);
     for (std::size_t s = 0; s < system.blocks.size(); ++s) {
-        system.blocks[s] *= dt * dt;
+        system.blocks[s] *= h * h;
         system.blocks[s].diagonal().array() += model.mass.values[s];
     }
 }
 
-/// Factorises M + dt² H at w.positions with the exact Hessian where that is positive definite, else with as
-/// large a share of it as is: near a bifurcation (a sheet about to buckle) a full projection hides the soft
-/// direction.
-bool factorize_newton_system(const Model& model, const Potential& potential, Workspace& w) {
-    assemble_system(model, potential, w.positions, HessianKind::exact, w.system);
-    if (w.solver.factorize(w.system)) return true;
+/// Factorises M + h² H at x with the exact Hessian where that is positive definite, else with as large a
+/// share of it as is: near a bifurcation (a sheet about to buckle) a full projection hides the soft
+/// direction. `near`: close enough to the solution for that to pay.
+bool factorize_newton_system(const Model& model, const Potential& potential, const VecX& x, double h,
+                             bool near, Workspace& w) {
+    if (!near && w.indefinite) {
+        assemble_system(model, potential, x, h, HessianKind::projected, w.system);
+        return w.solver.factorize(w.system);
+    }
+    assemble_system(model, potential, x, h, HessianKind::exact, w.system);
+    w.indefinite = !w.solver.factorize(w.system);
+    if (!w.indefinite) return true;
     std::swap(w.system, w.exact_system);
-    assemble_system(model, potential, w.positions, HessianKind::projected, w.system);
+    assemble_system(model, potential, x, h, HessianKind::projected, w.system);
     for (double share : {0.9, 0.6}) {
         for (std::size_t s = 0; s < w.system.blocks.size(); ++s) {
             w.blended_system.blocks[s] =
@@ -81,81 +132,311 @@ bool factorize_newton_system(const Model& model, const Potential& potential, Wor
     return w.solver.factorize(w.system);
 }
 
-void solve_linearly_implicit(const Model& model, const Potential& potential, const State& state, Workspace& w,
-                             StepReport& report) {
-    const HessianKind kind = model.scene.simulation.hessian;
-    assemble_system(model, potential, state.positions, kind, w.system);
-    potential.gradient(state.positions, w.gradient);
-    multiply(model.pattern, model.mass, state.velocities, w.rhs);
-    w.rhs -= model.time_step * w.gradient;
-    report.iterations = 1;
-    report.converged = w.solver.factorize(w.system);
-    if (report.converged) {
-        w.solver.solve(w.rhs, w.velocity);
-    } else {
-        w.velocity = state.velocities;
+bool step_linearly_implicit(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
+                            Workspace& w, StepReport& report) {
+    const SimulationDesc& options = model.scene.simulation;
+    const StagePotential stage(model, state, {state.positions, dt, state.time + dt}, state.positions, w);
+    std::vector<FilterContact> filtered;
+    if (options.contact == ContactKind::velocity_filter) {
+        filtered = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
     }
+    report.contacts = std::max(
+        report.contacts, stage.penalty ? stage.penalty->contact_count() : static_cast<int>(filtered.size()));
+    assemble_system(model, stage.potential, state.positions, dt, options.hessian, w.system);
+    stage.potential.gradient(state.positions, w.gradient);
+    multiply(model.pattern, model.mass, state.velocities, w.rhs);
+    w.rhs -= dt * w.gradient;
+    ++report.iterations;
+    if (!w.solver.factorize(w.system)) return false;
+
+    // Pins that move take their neighbours along.
+    w.trial.setZero(w.rhs.size());
+    for (const Pin& pin : pins) {
+        w.trial.segment<3>(3 * pin.vertex) = (pin.position - state.positions.segment<3>(3 * pin.vertex)) / dt;
+    }
+    if (!w.trial.isZero(0.0)) {
+        multiply(model.pattern, w.system, w.trial, w.momentum);
+        w.rhs -= w.momentum;
+    }
+    w.solver.solve(w.rhs, w.velocity);
+    filter_velocities(filtered, w.velocity);
+    for (const Pin& pin : pins) w.velocity.segment<3>(3 * pin.vertex) = w.trial.segment<3>(3 * pin.vertex);
+
+    state.velocities = w.velocity;
+    state.positions += dt * w.velocity;
+    return true;
 }
 
-void solve_implicit(const Model& model, const Potential& potential, const State& state, Workspace& w,
-                    StepReport& report) {
+/// A minimisation: see integrator.h.
+struct StageProblem {
+    const Potential& potential;
+    const std::vector<Pin>& pins;
+    double h;
+    VecX y;               ///< shape (3n) [m]
+    VecX force = VecX();  ///< f, shape (3n) [N]; empty: none
+};
+
+/// From the allowed positions x to the minimum; false where it is not reached. x is then of no use.
+bool minimize(const Model& model, const StageProblem& problem, VecX& x, Workspace& w, StepReport& report) {
     const SimulationDesc& options = model.scene.simulation;
-    const double dt = model.time_step;
-    w.velocity = state.velocities;
+    const Potential& potential = problem.potential;
+    const double h2 = problem.h * problem.h;
 
-    auto objective = [&](const VecX& v) {
-        w.positions = state.positions + dt * v;
-        w.trial = v - state.velocities;
-        return kinetic_energy(model, w.trial, w.momentum) + potential.value(w.positions);
-    };
-    auto gradient = [&](const VecX& v) {
-        w.positions = state.positions + dt * v;
-        w.trial = v - state.velocities;
-        potential.gradient(w.positions, w.gradient);
+    auto objective = [&](const VecX& at) {
+        w.trial = at - problem.y;
         multiply(model.pattern, model.mass, w.trial, w.momentum);
-        w.rhs = -(w.momentum + dt * w.gradient);
-        zero_pinned(model, w.rhs);
-        return w.rhs.norm();
+        double value = 0.5 / h2 * w.trial.dot(w.momentum) + potential.value(at);
+        if (problem.force.size() > 0) value -= problem.force.dot(at);
+        return value;
+    };
+    // Leaves -h² ∇Φ on the free vertices in w.rhs; gives |∇Φ|.
+    auto gradient = [&](const VecX& at) {
+        w.trial = at - problem.y;
+        potential.gradient(at, w.gradient);
+        if (problem.force.size() > 0) w.gradient -= problem.force;
+        multiply(model.pattern, model.mass, w.trial, w.momentum);
+        w.rhs = -(w.momentum + h2 * w.gradient);
+        zero_pinned(problem.pins, w.rhs);
+        return w.rhs.norm() / h2;
     };
 
-    const double at_start = gradient(w.velocity);
     // Where the step begins in balance, the weight sets the scale.
-    const double scale = std::max(at_start, 1e-3 * dt * model.weight);
-    double norm = at_start;
-    double value = objective(w.velocity);
-    report.converged = norm <= options.newton_tolerance * scale;
-    while (!report.converged && report.iterations < options.newton_iterations) {
-        w.positions = state.positions + dt * w.velocity;
-        if (!factorize_newton_system(model, potential, w)) break;
+    const double scale = std::max(gradient(x), 1e-2 * model.weight);
+    double value = objective(x);
+
+    // Inertia's guess, with the pins where they go. If that is not allowed, or no better, the pins go there
+    // together with what the cloth's stiffness makes of their way, as far as is allowed at a time.
+    bool placed = true;
+    for (const Pin& pin : problem.pins) placed = placed && x.segment<3>(3 * pin.vertex) == pin.position;
+    w.positions = problem.y;
+    for (const Pin& pin : problem.pins) w.positions.segment<3>(3 * pin.vertex) = pin.position;
+    w.direction = w.positions - x;
+    if (potential.largest_share(x, w.direction) == 1.0) {
+        const double guess = objective(w.positions);
+        if (placed ? guess < value : std::isfinite(guess)) {
+            x = w.positions;
+            value = guess;
+            placed = true;
+        }
+    }
+    constexpr int most_placements = 30;
+    for (int k = 0; !placed && k < most_placements; ++k) {
+        gradient(x);
+        assemble_system(model, potential, x, problem.h, HessianKind::projected, w.system);
+        if (!w.solver.factorize(w.system)) return false;
+        ++report.iterations;
+        w.positions.setZero(x.size());
+        for (const Pin& pin : problem.pins) {
+            w.positions.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
+        }
+        multiply(model.pattern, w.system, w.positions, w.momentum);
+        w.rhs -= w.momentum;
+        w.solver.solve(w.rhs, w.direction);
+        for (const Pin& pin : problem.pins) {
+            w.direction.segment<3>(3 * pin.vertex) = w.positions.segment<3>(3 * pin.vertex);
+        }
+        const VecX start = x;
+        double share = potential.largest_share(start, w.direction);
+        x = start + share * w.direction;
+        for (int halvings = 0; !std::isfinite(value = objective(x)); ++halvings) {
+            if (halvings == 30) return false;
+            share *= 0.5;
+            x = start + share * w.direction;
+        }
+        if (share == 1.0) {
+            placed = true;
+            for (const Pin& pin : problem.pins) x.segment<3>(3 * pin.vertex) = pin.position;
+            value = objective(x);
+        }
+    }
+    if (!placed) return false;
+
+    double norm = gradient(x);
+    const double extent = x.cwiseAbs().maxCoeff();
+    bool converged = norm <= options.newton_tolerance * scale;
+    for (int k = 0; !converged && k < options.newton_iterations; ++k) {
+        if (!factorize_newton_system(model, potential, x, problem.h, norm < 1e-2 * scale, w)) break;
         w.solver.solve(w.rhs, w.direction);
         ++report.iterations;
+        // What no longer moves anything by more than rounding is as converged as can be.
+        converged = w.direction.cwiseAbs().maxCoeff() < 1e-14 * extent;
+        if (converged) break;
 
-        const double slope = -w.rhs.dot(w.direction);
+        const double slope = -w.rhs.dot(w.direction) / h2;
         // Armijo's rule; where the decrease is lost in rounding, a smaller gradient is accepted instead.
         constexpr double sufficient = 1e-4;
-        const VecX start = w.velocity;
-        const double rounding = 1e-13 * (std::abs(value) + kinetic_energy(model, start, w.momentum));
-        double length = 1.0;
+        w.start = x;
+        const double rounding = 1e-13 * (std::abs(value) + model.weight * extent);
+        double length = potential.largest_share(w.start, w.direction);
         bool accepted = false;
-        for (int k = 0; k < 40 && !accepted; ++k, length *= 0.5) {
-            w.velocity = start + length * w.direction;
-            const double trial_value = objective(w.velocity);
-            if (trial_value <= value + sufficient * length * slope) {
-                accepted = true;
-            } else if (trial_value <= value + rounding && gradient(w.velocity) < norm) {
-                accepted = true;
-            }
-            if (accepted) value = trial_value;
+        for (int halvings = 0; halvings < 40 && !accepted; ++halvings, length *= 0.5) {
+            x = w.start + length * w.direction;
+            const double trial = objective(x);
+            accepted = trial <= value + sufficient * length * slope ||
+                       (trial <= value + rounding && gradient(x) < norm);
+            if (accepted) value = trial;
         }
         if (!accepted) {
-            w.velocity = start;
-            gradient(w.velocity);
+            x = w.start;
             break;
         }
-        norm = gradient(w.velocity);
-        report.converged = norm <= options.newton_tolerance * scale;
+        norm = gradient(x);
+        converged = norm <= options.newton_tolerance * scale;
     }
-    report.residual = scale > 0.0 ? norm / scale : 0.0;
+    norm = gradient(x);
+    const double residual = scale > 0.0 ? norm / scale : 0.0;
+    report.residual = std::max(report.residual, residual);
+    if (!converged) {
+        Eigen::Index worst = 0;
+        w.rhs.reshaped(3, w.rhs.size() / 3).colwise().squaredNorm().maxCoeff(&worst);
+        report.worst_vertex = static_cast<int>(worst);
+    }
+    return converged;
+}
+
+/// Detection at the old positions and the filter at the new velocities, as the assignment's.
+class FilterOfStep {
+  public:
+    FilterOfStep(const Model& model, const State& state, StepReport& report) {
+        if (model.scene.simulation.contact != ContactKind::velocity_filter) return;
+        contacts_ = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
+        report.contacts = std::max(report.contacts, static_cast<int>(contacts_.size()));
+    }
+    /// Positions follow the filtered velocities.
+    void apply(double h, VecX& x, VecX& v) const {
+        if (contacts_.empty()) return;
+        VecX filtered = v;
+        filter_velocities(contacts_, filtered);
+        x += h * (filtered - v);
+        v = filtered;
+    }
+
+  private:
+    std::vector<FilterContact> contacts_;
+};
+
+bool step_implicit_euler(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
+                         Workspace& w, StepReport& report) {
+    const Stage stage{state.positions, dt, state.time + dt};
+    const StagePotential terms(model, state, stage, state.positions, w);
+    const FilterOfStep filter(model, state, report);
+    if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
+    VecX x = state.positions;
+    if (!minimize(model, {terms.potential, pins, dt, state.positions + dt * state.velocities}, x, w,
+                  report)) {
+        return false;
+    }
+    state.velocities = (x - stage.base) / dt;
+    filter.apply(dt, x, state.velocities);
+    state.positions = x;
+    return true;
+}
+
+bool step_implicit_midpoint(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
+                            Workspace& w, StepReport& report) {
+    const double h = 0.5 * dt;
+    const Stage stage{state.positions, h, state.time + h};
+    const StagePotential terms(model, state, stage, state.positions, w);
+    const FilterOfStep filter(model, state, report);
+    if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
+    // Half of the way for the pins too.
+    std::vector<Pin> half = pins;
+    for (Pin& pin : half) {
+        pin.position = 0.5 * (pin.position + Vec3(state.positions.segment<3>(3 * pin.vertex)));
+    }
+    VecX x = state.positions;
+    if (!minimize(model, {terms.potential, half, h, state.positions + h * state.velocities}, x, w, report)) {
+        return false;
+    }
+    VecX velocities = 2.0 / h * (x - state.positions) - state.velocities;
+    x = 2.0 * x - state.positions;
+    for (const Pin& pin : pins) {
+        velocities.segment<3>(3 * pin.vertex) =
+            (pin.position - state.positions.segment<3>(3 * pin.vertex)) / dt;
+        x.segment<3>(3 * pin.vertex) = pin.position;
+    }
+    filter.apply(dt, x, velocities);
+    state.positions = x;
+    state.velocities = velocities;
+    return true;
+}
+
+bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector<Pin>& pins, Workspace& w,
+                  StepReport& report) {
+    const double root2 = std::sqrt(2.0), gamma = 2.0 - root2, h = 0.5 * gamma * dt;
+    const FilterOfStep filter(model, state, report);
+    const VecX q = state.positions, v = state.velocities;
+
+    // The forces at the start: those of a stage that ends there with the velocities v.
+    VecX force;
+    {
+        const Stage stage{q - h * v, h, state.time};
+        const StagePotential terms(model, state, stage, stage.base, w);
+        terms.potential.gradient(q, force);
+        force *= -1.0;
+        zero_pinned(pins, force);
+    }
+    VecX x = q, v_gamma;
+    {
+        const Stage stage{q + h * v, h, state.time + gamma * dt};
+        const StagePotential terms(model, state, stage, q, w);
+        if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
+        std::vector<Pin> part = pins;
+        for (Pin& pin : part) {
+            const Vec3 from = q.segment<3>(3 * pin.vertex);
+            if (pin.position != from) pin.position = from + gamma * (pin.position - from);
+        }
+        if (!minimize(model, {terms.potential, part, h, q + 2.0 * h * v, force}, x, w, report)) return false;
+        v_gamma = (x - stage.base) / h;
+        for (const Pin& pin : pins) v_gamma.segment<3>(3 * pin.vertex) = v.segment<3>(3 * pin.vertex);
+    }
+    const double c1 = 1.0 / (gamma * (2.0 - gamma)), c0 = (1.0 - gamma) * (1.0 - gamma) * c1;
+    const Stage stage{c1 * x - c0 * q, h, state.time + dt};
+    const StagePotential terms(model, state, stage, x, w);
+    VecX y = stage.base + h * (c1 * v_gamma - c0 * v);
+    if (!minimize(model, {terms.potential, pins, h, std::move(y)}, x, w, report)) return false;
+    state.velocities = (x - stage.base) / h;
+    for (const Pin& pin : pins) {
+        state.velocities.segment<3>(3 * pin.vertex) = (pin.position - q.segment<3>(3 * pin.vertex)) / dt;
+    }
+    filter.apply(dt, x, state.velocities);
+    state.positions = x;
+    return true;
+}
+
+/// One step of any length, in two halves where it does not converge.
+bool step_by(const Model& model, State& state, double dt, int halvings, Workspace& w, StepReport& report) {
+    const std::vector<Pin> pins = pins_of_step(model.pin_groups, state.time, state.time + dt);
+    leave_out(model, pins, w);
+    StepReport attempt;
+    const bool converged = [&] {
+        switch (state.integrator) {
+            case IntegratorKind::linearly_implicit_euler:
+                return step_linearly_implicit(model, state, dt, pins, w, attempt);
+            case IntegratorKind::implicit_euler:
+                return step_implicit_euler(model, state, dt, pins, w, attempt);
+            case IntegratorKind::tr_bdf2:
+                return step_tr_bdf2(model, state, dt, pins, w, attempt);
+            case IntegratorKind::implicit_midpoint:
+                return step_implicit_midpoint(model, state, dt, pins, w, attempt);
+        }
+        return false;
+    }();
+    report.iterations += attempt.iterations;
+    report.contacts = std::max(report.contacts, attempt.contacts);
+    if (converged) {
+        report.residual = std::max(report.residual, attempt.residual);
+        state.time += dt;
+        return true;
+    }
+    if (halvings == 0) {
+        report.residual = std::max(report.residual, attempt.residual);
+        report.worst_vertex = attempt.worst_vertex;
+        return false;
+    }
+    ++report.retries;
+    return step_by(model, state, 0.5 * dt, halvings - 1, w, report) &&
+           step_by(model, state, 0.5 * dt, halvings - 1, w, report);
 }
 
 void apply_events(const Model& model, State& state) {
@@ -178,47 +459,41 @@ void apply_events(const Model& model, State& state) {
 
 }  // namespace
 
-Workspace::Workspace(const Model& model) : solver(model.pattern, model.pinned) {
+Workspace::Workspace(const Model& model)
+    : pinned(model.pinned), solver(model.pattern, model.pinned), stage_energies(make_stage_energies(model)) {
     for (BlockMatrix* matrix : {&system, &exact_system, &blended_system}) matrix->reset(model.pattern);
+    for (const auto& energy : stage_energies) energy->bind(model.pattern);
+}
+
+double kinetic_energy(const Model& model, const State& state) {
+    VecX scratch;
+    return kinetic_energy(model, state.velocities, scratch);
 }
 
 double total_energy(const Model& model, const State& state) {
-    VecX scratch;
     DragEnergy drags(model.scene.drags, state.drags, state.time);
-    return kinetic_energy(model, state.velocities, scratch) +
-           Potential(model, {&drags}).value(state.positions);
+    double energy = kinetic_energy(model, state) + Potential(model, {&drags}).value(state.positions);
+    const SimulationDesc& options = model.scene.simulation;
+    if (options.contact == ContactKind::penalty) {
+        energy += ColliderContactEnergy(model.scene.colliders, state.collider_on, state.positions,
+                                        options.contact_stiffness, model.time_step, options.sliding_speed)
+                      .value(state.positions);
+    }
+    return energy;
 }
 
 StepReport advance(const Model& model, State& state, Workspace& w) {
     apply_events(model, state);
     update_drags(model.scene.drags, state.time, state.positions, model.triangles, state.drags);
-    // The step ends at time + dt, so that is where its implicit springs pull to.
-    DragEnergy drags(model.scene.drags, state.drags, state.time + model.time_step);
-    const SimulationDesc& options = model.scene.simulation;
-    std::vector<FilterContact> filtered;
-    std::optional<ColliderContactEnergy> penalty;
-    if (options.contact == ContactKind::velocity_filter) {
-        filtered = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
-    } else {
-        penalty.emplace(model.scene.colliders, state.collider_on, state.positions, options.contact_stiffness,
-                        model.time_step, options.sliding_speed);
-    }
-    const Potential potential(model, {&drags, penalty ? &*penalty : nullptr});
 
     StepReport report;
-    report.contacts = penalty ? penalty->contact_count() : static_cast<int>(filtered.size());
-    report.energy_before =
-        kinetic_energy(model, state.velocities, w.momentum) + potential.value(state.positions);
-    if (state.integrator == IntegratorKind::implicit_euler) {
-        solve_implicit(model, potential, state, w, report);
-    } else {
-        solve_linearly_implicit(model, potential, state, w, report);
+    report.energy_before = total_energy(model, state);
+    const State before = state;
+    report.converged = step_by(model, state, model.time_step, model.scene.simulation.retries, w, report);
+    if (!report.converged) {
+        state = before;
+        return report;
     }
-    filter_velocities(filtered, w.velocity);
-    zero_pinned(model, w.velocity);
-
-    state.velocities = w.velocity;
-    state.positions += model.time_step * w.velocity;
     ++state.step;
     state.time = static_cast<double>(state.step) * model.time_step;
 
@@ -228,8 +503,7 @@ StepReport advance(const Model& model, State& state, Workspace& w) {
         report.converged = false;
         return report;
     }
-    report.energy_after =
-        kinetic_energy(model, state.velocities, w.momentum) + potential.value(state.positions);
+    report.energy_after = total_energy(model, state);
     report.largest_stretch = model.membrane->largest_stretch(state.positions);
     return report;
 }

@@ -1,10 +1,12 @@
 #pragma once
 // One time step.
 
+#include <memory>
 #include <vector>
 
 #include "sim/block_matrix.h"
 #include "sim/model.h"
+#include "sim/pins.h"
 #include "sim/sparse_solver.h"
 #include "sim/state.h"
 
@@ -16,24 +18,45 @@ struct StepReport;
 struct Workspace {
     explicit Workspace(const Model& model);
 
+    std::vector<int> pinned;  ///< those that `solver` leaves out
     SparseSolver solver;
-    BlockMatrix system;  ///< M + dt² H
+    BlockMatrix system;  ///< M + h² H
     BlockMatrix exact_system,
-        blended_system;  ///< the same with other kinds of H, where the first is indefinite
-    VecX gradient, rhs, velocity, momentum, direction, positions, trial;
+        blended_system;       ///< the same with other kinds of H, where the first is indefinite
+    bool indefinite = false;  ///< the exact system was, when it was last looked at
+    std::vector<std::unique_ptr<StageEnergy>> stage_energies;
+    VecX gradient, rhs, velocity, momentum, direction, positions, trial, start;
 };
 
-/// Steps start with detection at the old positions and end with the velocity filter and q += dt v'.
+/// A step starts with events, picking and detection at the old positions.
 ///
-/// linearly_implicit_euler solves (M + dt² H) v' = M v - dt ∇V once, at the old positions.
+/// linearly_implicit_euler solves (M + dt² H) v' = M v - dt ∇V once, at the old positions; then the velocity
+/// filter; then q += dt v'.
 ///
-/// implicit_euler minimises ½ (v'-v)ᵀM(v'-v) + V(q + dt v') over v' by Newton's method with a backtracking
-/// line search, until |gradient| ≤ tolerance · |gradient at v|. It takes the exact Hessian where M + dt² H is
-/// positive definite and the projected one where it is not: always projecting costs the quadratic
-/// convergence.
+/// The others are built from stages. A stage minimises
+///
+///     Φ(x) = ½ (x-y)ᵀM(x-y)/h² - f·x + V(x)
+///
+/// over the positions x by Newton's method with a backtracking line search, until |∇Φ| ≤ tolerance · |∇Φ at
+/// the step's old positions| (at least a hundredth of the cloth's weight). It takes the exact Hessian where M
+/// + h² H is positive definite and one nearer to the projected one where it is not: always projecting costs
+/// the quadratic convergence. Its velocities are (x - base)/h.
+///
+///   implicit_euler     base = q, h = dt, y = q + dt v
+///   implicit_midpoint  base = q, h = dt/2, y = q + h v; then q' = 2x - q
+///   tr_bdf2            two stages with h = (1 - 1/√2) dt (Bank et al. 1985, Transient simulation of silicon
+///                      devices and circuits): to t + γ dt, γ = 2 - √2, by the trapezoidal rule, base = q + h
+///                      v, y = q + 2h v, f = -∇V(q); then by BDF2, base = c₁ q_γ - c₀ q, y = base + h (c₁ v_γ
+///                      - c₀ v), c₁ = 1/(γ(2-γ)), c₀ = (1-γ)²/(γ(2-γ)).
+///
+/// A step that does not converge is undone and made in two halves, each of which may be halved in turn; past
+/// `retries` halvings the state is left as it was and the report says converged = false.
 StepReport advance(const Model& model, State& state, Workspace& workspace);
 
-/// ½ q̇ᵀMq̇ + V(q), drags included [J].
+/// ½ q̇ᵀMq̇ + V(q), drags and penalty contact included [J].
 double total_energy(const Model& model, const State& state);
+
+/// ½ q̇ᵀMq̇ [J]
+double kinetic_energy(const Model& model, const State& state);
 
 }  // namespace cloth

@@ -35,7 +35,8 @@ MeshData make_grid(const Grid& grid) {
     for (int j = 0; j + 1 < ny; ++j) {
         for (int i = 0; i + 1 < nx; ++i) {
             const int a = j * nx + i, b = a + 1, c = a + nx, d = c + 1;  // a b below, c d above
-            if (grid.diagonals == Diagonals::uniform || (i + j) % 2 == 0) {
+            if (grid.diagonals == Diagonals::uniform ||
+                (grid.diagonals == Diagonals::alternating && (i + j) % 2 == 0)) {
                 mesh.triangles.row(t++) << a, b, c;
                 mesh.triangles.row(t++) << b, d, c;
             } else {

@@ -80,13 +80,38 @@ VecX assemble_mass(Model& model) {
     return lumped;
 }
 
+std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
+                                      const std::vector<MeshData>& meshes) {
+    std::vector<PinGroup> groups;
+    for (std::size_t p = 0; p < scene.pins.size(); ++p) {
+        const PinDesc& pin = scene.pins[p];
+        const ClothDesc& cloth = scene.cloths[pin.cloth];
+        const Points start = start_positions(cloth, meshes[pin.cloth]);
+        PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
+        for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]",
+                                     cloth.mesh ? nullptr : &cloth.grid)) {
+            group.vertices.push_back(model.cloths[pin.cloth].first_vertex + v);
+            group.start.push_back(start.row(v));
+            group.center += group.start.back();
+        }
+        group.center = pin.center.value_or(group.center / static_cast<double>(group.vertices.size()));
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
 }  // namespace
 
-std::vector<int> select_vertices(const PinDesc& pin, const Points& start, const std::string& key) {
+std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model&) {
+    return {};
+}
+
+std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
+                                 const std::string& key, const Grid* grid) {
     const int n = static_cast<int>(start.rows());
     std::vector<int> selected;
-    if (!pin.vertices.empty()) {
-        for (int v : pin.vertices) {
+    if (!selection.vertices.empty()) {
+        for (int v : selection.vertices) {
             if (v < 0 || v >= n) {
                 throw SceneError(key + ".vertices", "vertex " + std::to_string(v) +
                                                         " does not exist; the cloth has vertices 0 … " +
@@ -94,23 +119,35 @@ std::vector<int> select_vertices(const PinDesc& pin, const Points& start, const 
             }
             selected.push_back(v);
         }
-    } else if (pin.box) {
+    } else if (selection.box) {
         for (int v = 0; v < n; ++v) {
             const Vec3 p = start.row(v);
-            if ((p.array() >= (*pin.box)[0].array()).all() && (p.array() <= (*pin.box)[1].array()).all()) {
+            if ((p.array() >= (*selection.box)[0].array()).all() &&
+                (p.array() <= (*selection.box)[1].array()).all()) {
                 selected.push_back(v);
             }
         }
-    } else if (pin.nearest) {
+    } else if (selection.nearest) {
         Eigen::Index nearest = 0;
-        (start.rowwise() - pin.nearest->transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+        (start.rowwise() - selection.nearest->transpose()).rowwise().squaredNorm().minCoeff(&nearest);
         selected.push_back(static_cast<int>(nearest));
-    } else if (pin.greatest) {
-        const double sign = pin.greatest->front() == '-' ? -1.0 : 1.0;
-        const int axis = pin.greatest->back() - 'x';
+    } else if (selection.greatest) {
+        const double sign = selection.greatest->front() == '-' ? -1.0 : 1.0;
+        const int axis = selection.greatest->back() - 'x';
         const double extreme = (sign * start.col(axis)).maxCoeff();
         for (int v = 0; v < n; ++v) {
-            if (sign * start(v, axis) >= extreme - pin.tolerance) selected.push_back(v);
+            if (sign * start(v, axis) >= extreme - selection.tolerance) selected.push_back(v);
+        }
+    } else if (selection.edge) {
+        if (!grid) throw SceneError(key + ".edge", "names a grid's edge; this cloth is a mesh");
+        const auto [nx, ny] = grid->resolution;
+        const std::string& edge = *selection.edge;
+        for (int v = 0; v < n; ++v) {
+            const int column = v % nx, row = v / nx;
+            if ((edge == "left" && column == 0) || (edge == "right" && column == nx - 1) ||
+                (edge == "bottom" && row == 0) || (edge == "top" && row == ny - 1)) {
+                selected.push_back(v);
+            }
         }
     }
     if (selected.empty()) throw SceneError(key, "selects no vertex of the cloth's start pose");
@@ -153,15 +190,8 @@ Model build_model(const Scene& scene) {
         model.triangle_areas(t) = 0.5 * (b - a).cross(c - a).norm();
     }
 
-    for (std::size_t p = 0; p < scene.pins.size(); ++p) {
-        const int c = scene.pins[p].cloth;
-        for (int v : select_vertices(scene.pins[p], start_positions(scene.cloths[c], meshes[c]),
-                                     "pin[" + std::to_string(p) + "]")) {
-            model.pinned.push_back(model.cloths[c].first_vertex + v);
-        }
-    }
-    std::sort(model.pinned.begin(), model.pinned.end());
-    model.pinned.erase(std::unique(model.pinned.begin(), model.pinned.end()), model.pinned.end());
+    model.pin_groups = make_pin_groups(scene, model, meshes);
+    for (const Pin& pin : pins_of_step(model.pin_groups, 0.0, 0.0)) model.pinned.push_back(pin.vertex);
 
     auto membrane = make_membrane(model);
     model.membrane = membrane.get();

@@ -7,6 +7,7 @@
 
 #include "sim/block_matrix.h"
 #include "sim/energy.h"
+#include "sim/pins.h"
 #include "sim/scene.h"
 #include "sim/state.h"
 #include "sim/types.h"
@@ -27,8 +28,9 @@ struct Model {
     Points rest_positions;  ///< shape (n, 3), all cloths one after another [m]
     Triangles triangles;    ///< shape (m, 3), into all vertices
     std::vector<ClothRange> cloths;
-    VecX triangle_areas;      ///< shape (m), at rest [m²]
-    std::vector<int> pinned;  ///< sorted, without repeats
+    VecX triangle_areas;  ///< shape (m), at rest [m²]
+    std::vector<PinGroup> pin_groups;
+    std::vector<int> pinned;  ///< at the start; sorted, without repeats
     BlockPattern pattern;     ///< of mass and Hessians
     ScalarBlockMatrix mass;   ///< consistent mass [kg]
     double weight = 0.0;      ///< |gravity force| over all vertices, for the scale of residuals [N]
@@ -44,10 +46,15 @@ struct Model {
 /// Validates the scene and lists its energies; throws SceneError.
 Model build_model(const Scene& scene);
 
+/// Terms of the sum that depend on the step.
+std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model& model);
+
 /// State at time 0.
 State start_state(const Model& model);
 
-/// Vertices that a pin holds, numbered within its cloth; throws SceneError where it holds none.
-std::vector<int> select_vertices(const PinDesc& pin, const Points& start, const std::string& key);
+/// Vertices selected, numbered within their cloth; throws SceneError where there are none. `grid`: the
+/// cloth's rest shape where it is one, for edge names.
+std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
+                                 const std::string& key, const Grid* grid = nullptr);
 
 }  // namespace cloth

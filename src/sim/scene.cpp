@@ -55,6 +55,8 @@ void validate_simulation(const SimulationDesc& s) {
     require_positive(s.sliding_speed, "simulation.sliding_speed", "m/s");
     require(s.newton_iterations >= 1, "simulation.newton_iterations",
             "is " + std::to_string(s.newton_iterations) + "; must be at least 1");
+    require(s.retries >= 0 && s.retries <= 20, "simulation.retries",
+            "is " + std::to_string(s.retries) + "; must be 0 … 20");
     require(s.newton_tolerance > 0.0 && s.newton_tolerance < 1.0, "simulation.newton_tolerance",
             "is " + number(s.newton_tolerance) + "; must lie between 0 and 1");
 }
@@ -69,10 +71,60 @@ void validate_fabric(const Fabric& f, const std::string& key) {
         require(std::isfinite(*f.lambda) && *f.mu + *f.lambda > 0.0, key + ".lambda",
                 "is " + number(*f.lambda) + " Pa; mu + lambda must be greater than 0");
     }
-    require_not_negative(f.bending, key + ".bending", "N m");
     require_positive(f.young_modulus, key + ".young_modulus", "Pa");
     require(f.poisson_ratio > -1.0 && f.poisson_ratio < 1.0, key + ".poisson_ratio",
             "is " + number(f.poisson_ratio) + "; must lie between -1 and 1 (plane stress)");
+    const bool woven = f.young_weft || f.shear_modulus;
+    if (woven) {
+        require(f.membrane == MembraneKind::st_venant_kirchhoff,
+                key + (f.young_weft ? ".young_weft" : ".shear_modulus"),
+                "needs membrane = \"st_venant_kirchhoff\", the one that knows warp and weft");
+        require(!f.mu, key + ".mu", "stands beside young_weft or shear_modulus; give one or the other");
+    }
+    if (f.young_weft) {
+        require_positive(*f.young_weft, key + ".young_weft", "Pa");
+        const double bound = std::sqrt(f.young_modulus / *f.young_weft);
+        require(std::abs(f.poisson_ratio) < bound, key + ".poisson_ratio",
+                "is " + number(f.poisson_ratio) + "; must lie between -" + number(bound) + " and " +
+                    number(bound) + ", the root of young_modulus / young_weft");
+    }
+    if (f.shear_modulus) require_positive(*f.shear_modulus, key + ".shear_modulus", "Pa");
+    if (f.strain_limit) {
+        require(std::isfinite(*f.strain_limit) && *f.strain_limit > 1.0, key + ".strain_limit",
+                "is " + number(*f.strain_limit) + "; must be above 1, a stretch such as 1.05");
+    }
+    require_not_negative(f.bending, key + ".bending", "N m");
+    if (f.bending_weft) require_not_negative(*f.bending_weft, key + ".bending_weft", "N m");
+    if (f.bending_bias) {
+        const double least = 0.25 * (f.bending + f.bending_weft.value_or(f.bending));
+        require(std::isfinite(*f.bending_bias) && *f.bending_bias >= least, key + ".bending_bias",
+                "is " + number(*f.bending_bias) + "; must be at least " + number(least) +
+                    " N m, a quarter of warp's plus weft's, or the sheet would gain energy by bending");
+    }
+    if (f.yield_curvature) {
+        require_positive(*f.yield_curvature, key + ".yield_curvature", "1/m");
+        require(f.bending_model == BendingKind::hinges, key + ".yield_curvature",
+                "needs bending_model = \"hinges\", the one with rest angles");
+    }
+    require_not_negative(f.membrane_damping, key + ".membrane_damping", "s");
+    require_not_negative(f.bending_damping, key + ".bending_damping", "s");
+    require_not_negative(f.friction, key + ".friction", "");
+}
+
+/// Strain limits and hinges need an integrator that searches along its steps.
+void validate_integrators(const Scene& scene) {
+    bool linear = scene.simulation.integrator == IntegratorKind::linearly_implicit_euler;
+    bool midpoint = scene.simulation.integrator == IntegratorKind::implicit_midpoint;
+    for (const EventDesc& e : scene.events) {
+        linear = linear || e.toggle_integrator || e.integrator == IntegratorKind::linearly_implicit_euler;
+        midpoint = midpoint || e.integrator == IntegratorKind::implicit_midpoint;
+    }
+    if (!linear && !midpoint) return;
+    for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
+        require(!scene.cloths[i].fabric.strain_limit, item("cloth", i, "fabric.strain_limit"),
+                "needs integrator = \"implicit_euler\" or \"tr_bdf2\" throughout; set it to 0 to leave the "
+                "limit out");
+    }
 }
 
 void validate_cloth(const ClothDesc& c, std::size_t i) {
@@ -96,6 +148,8 @@ void validate_cloth(const ClothDesc& c, std::size_t i) {
     require_finite(c.transform.translate, item("cloth", i, "translate"));
     require_finite(c.velocity, item("cloth", i, "velocity"));
     require(std::isfinite(c.bump), item("cloth", i, "bump"), "must be a finite number");
+    require_finite(c.warp, item("cloth", i, "warp"));
+    require(c.warp.norm() > 0.0, item("cloth", i, "warp"), "is zero; must point along the rest shape");
     validate_fabric(c.fabric, item("cloth", i, "fabric"));
 }
 
@@ -116,25 +170,72 @@ void validate_collider(const ColliderDesc& c, std::size_t i) {
     require_not_negative(c.friction, item("collider", i, "friction"), "");
 }
 
-void validate_pin(const PinDesc& p, std::size_t i, std::size_t cloths) {
-    require(p.cloth >= 0 && static_cast<std::size_t>(p.cloth) < cloths, item("pin", i, "cloth"),
-            "there is no such cloth");
-    const int selections =
-        !p.vertices.empty() + p.box.has_value() + p.nearest.has_value() + p.greatest.has_value();
-    require(selections == 1, item("pin", i), "give exactly one of vertices, box, nearest, greatest");
-    if (p.box) {
-        require_finite((*p.box)[0], item("pin", i, "box"));
-        require_finite((*p.box)[1], item("pin", i, "box"));
-        require(((*p.box)[0].array() <= (*p.box)[1].array()).all(), item("pin", i, "box"),
+void validate_selection(const VertexSelection& s, const std::string& key) {
+    const int selections = !s.vertices.empty() + s.box.has_value() + s.nearest.has_value() +
+                           s.greatest.has_value() + s.edge.has_value();
+    require(selections == 1, key, "give exactly one of vertices, box, nearest, greatest, edge");
+    if (s.box) {
+        require_finite((*s.box)[0], key + ".box");
+        require_finite((*s.box)[1], key + ".box");
+        require(((*s.box)[0].array() <= (*s.box)[1].array()).all(), key + ".box",
                 "has a lower corner above its upper one");
     }
-    if (p.nearest) require_finite(*p.nearest, item("pin", i, "nearest"));
-    if (p.greatest) {
+    if (s.nearest) require_finite(*s.nearest, key + ".nearest");
+    if (s.greatest) {
         static const std::set<std::string> directions{"x", "y", "z", "-x", "-y", "-z"};
-        require(directions.count(*p.greatest) == 1, item("pin", i, "greatest"),
-                "is \"" + *p.greatest + "\"; must be one of x, y, z, -x, -y, -z");
+        require(directions.count(*s.greatest) == 1, key + ".greatest",
+                "is \"" + *s.greatest + "\"; must be one of x, y, z, -x, -y, -z");
     }
-    require_not_negative(p.tolerance, item("pin", i, "tolerance"), "m");
+    if (s.edge) {
+        static const std::set<std::string> edges{"left", "right", "bottom", "top"};
+        require(edges.count(*s.edge) == 1, key + ".edge",
+                "is \"" + *s.edge + "\"; must be one of left, right, bottom, top");
+    }
+    require_not_negative(s.tolerance, key + ".tolerance", "m");
+}
+
+void validate_cloth_index(int cloth, const std::string& key, std::size_t cloths) {
+    require(cloth >= 0 && static_cast<std::size_t>(cloth) < cloths, key, "there is no such cloth");
+}
+
+void validate_motion(const std::vector<MotionKey>& path, const std::string& key) {
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        require_not_negative(path[k].time, key, "s");
+        require_finite(path[k].translate, key);
+        require_finite(path[k].rotate, key);
+        require(k == 0 || path[k].time > path[k - 1].time, key, "has times that do not increase");
+    }
+}
+
+void validate_pin(const PinDesc& p, std::size_t i, std::size_t cloths) {
+    validate_cloth_index(p.cloth, item("pin", i, "cloth"), cloths);
+    validate_selection(p, item("pin", i));
+    validate_motion(p.path, item("pin", i, "path"));
+    if (p.center) require_finite(*p.center, item("pin", i, "center"));
+    if (p.until) require_positive(*p.until, item("pin", i, "until"), "s");
+}
+
+void validate_seam(const SeamDesc& s, std::size_t i, std::size_t cloths) {
+    for (int side = 0; side < 2; ++side) {
+        const std::string key = item("seam", i, side == 0 ? "first" : "second");
+        validate_cloth_index(s.sides[side].cloth, key + ".cloth", cloths);
+        validate_selection(s.sides[side], key);
+    }
+    require_not_negative(s.begin, item("seam", i, "begin"), "s");
+    require_positive(s.close_time, item("seam", i, "close_time"), "s");
+    require_positive(s.stiffness, item("seam", i, "stiffness"), "N/m");
+}
+
+void validate_air(const AirDesc& a) {
+    require_positive(a.density, "air.density", "kg/m³");
+    require_not_negative(a.drag, "air.drag", "");
+    require_not_negative(a.lift, "air.lift", "");
+    require(a.lift <= a.drag, "air.lift",
+            "is " + number(a.lift) + "; must be at most the drag, " + number(a.drag) +
+                ", or the air would push a sheet that stands still in it");
+    require_finite(a.wind, "air.wind");
+    require_not_negative(a.gusts, "air.gusts", "m/s");
+    require_positive(a.gust_length, "air.gust_length", "m");
 }
 
 void validate_drag(const DragDesc& d, std::size_t i) {
@@ -177,10 +278,15 @@ void validate(const Scene& scene) {
     for (std::size_t i = 0; i < scene.cloths.size(); ++i) validate_cloth(scene.cloths[i], i);
     for (std::size_t i = 0; i < scene.colliders.size(); ++i) validate_collider(scene.colliders[i], i);
     for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene.pins[i], i, scene.cloths.size());
+    for (std::size_t i = 0; i < scene.seams.size(); ++i) {
+        validate_seam(scene.seams[i], i, scene.cloths.size());
+    }
+    validate_air(scene.simulation.air);
     for (std::size_t i = 0; i < scene.drags.size(); ++i) validate_drag(scene.drags[i], i);
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         validate_event(scene.events[i], i, scene.colliders.size());
     }
+    validate_integrators(scene);
 }
 
 }  // namespace cloth

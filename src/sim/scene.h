@@ -3,6 +3,7 @@
 // They hold no file paths and no pictures; src/pipeline/scene_file.h fills them from a TOML file.
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -20,28 +21,58 @@ class SceneError : public std::runtime_error {
     std::string key;
 };
 
-/// Material of a sheet.
+/// How a sheet resists stretch and shear in its plane.
+enum class MembraneKind {
+    corotational,         ///< the assignment's, μ Σ (s_i - 1)² + λ/2 (s_0 + s_1 - 2)²
+    st_venant_kirchhoff,  ///< quadratic in the Green strain; the one that knows warp and weft
+    neo_hookean,          ///< stable neo-Hookean; stays finite where a triangle is squeezed flat
+};
+
+/// How a sheet resists bending.
+enum class BendingKind {
+    quadratic,  ///< constant Hessian; the rest shape counts as flat
+    hinges,     ///< by the angles between triangles; curved rest shapes and creases
+};
+
+/// Material of a sheet. Along the warp, across it (the weft) and, for bending, at 45 degrees (the bias).
 struct Fabric {
-    double density = 0.15;         ///< mass per area of the sheet [kg/m²]
-    double thickness = 1e-3;       ///< multiplies the membrane energy [m]
-    double young_modulus = 1e5;    ///< [Pa]; used with poisson_ratio unless mu and lambda are given
-    double poisson_ratio = 0.3;    ///< in (-1, 1); plane stress: λ = Eν/(1-ν²), μ = E/(2(1+ν))
-    std::optional<double> mu;      ///< shear modulus handed to the energy as it is [Pa]
-    std::optional<double> lambda;  ///< second modulus handed to the energy as it is [Pa]
-    double bending = 0.0;          ///< bending rigidity D [N m]; 0: none, as in the assignment
+    std::string name;         ///< the entry of the fabric table that it came from, if any
+    double density = 0.15;    ///< mass per area of the sheet [kg/m²]
+    double thickness = 1e-3;  ///< multiplies the membrane energy [m]
+    MembraneKind membrane = MembraneKind::corotational;
+    double young_modulus = 1e5;  ///< [Pa]; used with poisson_ratio unless mu and lambda are given
+    double poisson_ratio = 0.3;  ///< in (-1, 1); plane stress: λ = Eν/(1-ν²), μ = E/(2(1+ν))
+    /// st_venant_kirchhoff: young_modulus is the warp's, this is the weft's [Pa]; poisson_ratio is the weft's
+    /// shortening over the warp's stretch, so ν² < E_warp/E_weft.
+    std::optional<double> young_weft;
+    std::optional<double> shear_modulus;  ///< st_venant_kirchhoff: of warp against weft [Pa]; else E/(2(1+ν))
+    std::optional<double> mu;             ///< shear modulus handed to the energy as it is [Pa]
+    std::optional<double> lambda;         ///< second modulus handed to the energy as it is [Pa]
+    /// Principal stretch that no triangle reaches, above 1; the resistance rises from half of the way on.
+    std::optional<double> strain_limit;
+    BendingKind bending_model = BendingKind::quadratic;
+    double bending = 0.0;  ///< bending rigidity D along the warp [N m]; 0: none, as in the assignment
+    std::optional<double> bending_weft;  ///< [N m]; else as along the warp
+    std::optional<double> bending_bias;  ///< [N m]; else such that the rigidity varies as an ellipse's
+    /// hinges: curvature beyond which a fold stays, in part [1/m]; none: elastic.
+    std::optional<double> yield_curvature;
+    double membrane_damping = 0.0;  ///< viscous stress = this time × stiffness × strain rate [s]
+    double bending_damping = 0.0;   ///< viscous moment = this time × rigidity × curvature rate [s]
+    double friction = 0.0;          ///< Coulomb coefficient of the fabric
 };
 
 /// How a grid's squares are cut in two.
 enum class Diagonals {
     uniform,      ///< all in one direction, as the assignment's mesh
-    alternating,  ///< direction changes from square to square: no preferred bias direction
+    mirrored,     ///< all in the other direction
+    alternating,  ///< changing from square to square; twists twice as stiffly as it should (bending.h)
 };
 
 /// A flat rectangle in the plane z = 0, centred at the origin, normal +z.
 struct Grid {
     Vec2 size{1.0, 1.0};                    ///< width along x, height along y [m]
     std::array<int, 2> resolution{20, 20};  ///< vertices along x and along y, each at least 2
-    Diagonals diagonals = Diagonals::alternating;
+    Diagonals diagonals = Diagonals::uniform;
 };
 
 /// Vertices and triangles as a file gave them; their order is kept.
@@ -69,6 +100,7 @@ struct ClothDesc {
     /// Smooth out-of-plane start offset z += amplitude sin(pi (x-x0)/w) sin(pi (y-y0)/h) over the rest
     /// shape's bounding box, before `transform` [m]; gives a buckling sheet a definite side.
     double bump = 0.0;
+    Vec3 warp = Vec3::UnitY();  ///< direction of the warp on the rest shape, any length but zero
     Fabric fabric;
 };
 
@@ -88,14 +120,53 @@ struct ColliderDesc {
     bool drawn = true;
 };
 
-/// Which vertices a pin holds; exactly one selection is given. Coordinates are those of the start pose.
-struct PinDesc {
-    int cloth = 0;
+/// Some of a cloth's vertices; exactly one selection is given. Coordinates are those of the start pose.
+struct VertexSelection {
     std::vector<int> vertices;               ///< indices into the cloth's vertices
     std::optional<std::array<Vec3, 2>> box;  ///< all vertices in the closed box [m]
     std::optional<Vec3> nearest;             ///< the vertex nearest this point [m]
     std::optional<std::string> greatest;     ///< "x", "y", "z", "-x", …: within tolerance of the extreme
+    std::optional<std::string> edge;         ///< of a grid: "left", "right", "bottom", "top"
     double tolerance = 1e-3;                 ///< for `greatest` [m]
+};
+
+/// Where a moving thing stands at a time: turned about a centre, then shifted.
+struct MotionKey {
+    double time = 0.0;              ///< [s]
+    Vec3 translate = Vec3::Zero();  ///< [m]
+    Vec3 rotate = Vec3::Zero();     ///< turns about the fixed x, then y, then z axis [degree]
+};
+
+/// Holds vertices where they start, or moves them along keys.
+struct PinDesc : VertexSelection {
+    int cloth = 0;
+    std::vector<MotionKey> path;  ///< linear between keys, constant outside; empty: at rest
+    std::optional<Vec3> center;   ///< of the turns [m]; default: the mean of the vertices held
+    std::optional<double> until;  ///< lets go at this time [s]
+};
+
+/// Sews two rows of vertices together: springs whose rest length shrinks from the start distance to zero.
+struct SeamDesc {
+    /// Vertices in the order listed, or in that of the cloth's indices.
+    struct Side : VertexSelection {
+        int cloth = 0;
+    };
+    std::array<Side, 2> sides;  ///< as many vertices on both
+    bool reverse = false;       ///< the second side in the opposite order
+    double begin = 0.0;         ///< closing starts [s]
+    double close_time = 1.0;    ///< and takes this long [s]
+    double stiffness = 1e3;     ///< of each spring [N/m]
+};
+
+/// The air that a cloth moves in: still, or a wind with gusts.
+struct AirDesc {
+    double density = 1.2;      ///< [kg/m³]
+    double drag = 0.0;         ///< coefficient C_D of a triangle's projected area; 0: no air
+    double lift = 0.0;         ///< coefficient C_L, at most C_D
+    Vec3 wind = Vec3::Zero();  ///< mean [m/s]
+    double gusts = 0.0;        ///< root mean square of each gust component [m/s]
+    double gust_length = 1.0;  ///< longest wave of the gusts [m]
+    std::uint32_t seed = 1;    ///< of the gusts
 };
 
 /// A recorded mouse drag. At the first key's time it picks vertices through the camera; until the last key's
@@ -116,7 +187,9 @@ struct DragDesc {
 
 enum class IntegratorKind {
     linearly_implicit_euler,  ///< the assignment's: one linear solve with its Hessian
-    implicit_euler,           ///< Newton's method with line search on the incremental potential
+    implicit_euler,           ///< first order, dissipative; minimises the incremental potential by Newton
+    tr_bdf2,                  ///< second order, little dissipation: trapezoidal rule, then BDF2; two solves
+    implicit_midpoint,        ///< second order, conserves momentum, no dissipation: ringing stays
 };
 
 enum class Switch { on, off, toggle };
@@ -154,8 +227,10 @@ struct SimulationDesc {
     ContactKind contact = ContactKind::velocity_filter;
     double contact_stiffness = 100.0;  ///< of `penalty`, per vertex [N/m]
     double sliding_speed = 1e-3;       ///< of `penalty`: friction is in full force above this speed [m/s]
-    int newton_iterations = 50;        ///< most Newton iterations of one implicit Euler step
-    double newton_tolerance = 1e-8;    ///< residual |g| / |g at the step's start| at which Newton stops
+    int newton_iterations = 50;        ///< most Newton iterations of one solve
+    double newton_tolerance = 1e-6;    ///< residual |g| / |g at the step's start| at which Newton stops
+    int retries = 6;  ///< times that a step which does not converge is halved before the run stops
+    AirDesc air;
 
     /// Steps per frame that the fields above amount to.
     int steps_per_frame() const;
@@ -169,6 +244,7 @@ struct Scene {
     std::vector<ClothDesc> cloths;
     std::vector<ColliderDesc> colliders;
     std::vector<PinDesc> pins;
+    std::vector<SeamDesc> seams;
     std::vector<DragDesc> drags;
     std::vector<EventDesc> events;
 };

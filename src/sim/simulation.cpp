@@ -61,13 +61,15 @@ FrameReport Simulation::advance_frame() {
         frame.energy_after = step_report.energy_after;
         frame.converged = frame.converged && step_report.converged;
         frame.iterations += step_report.iterations;
+        frame.retries += step_report.retries;
         frame.residual = std::max(frame.residual, step_report.residual);
         frame.largest_stretch = s == 0 ? step_report.largest_stretch
                                        : std::max(frame.largest_stretch, step_report.largest_stretch);
         frame.contacts = std::max(frame.contacts, step_report.contacts);
         ++frame.steps;
-        if (step_report.non_finite_vertex) {
+        if (!step_report.converged) {
             frame.non_finite_vertex = step_report.non_finite_vertex;
+            frame.worst_vertex = step_report.worst_vertex;
             return frame;
         }
     }

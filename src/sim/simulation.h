@@ -13,13 +13,15 @@ namespace cloth {
 
 /// What one step did.
 struct StepReport {
-    bool converged = true;                 ///< false: the Newton iteration ended above its tolerance
-    int iterations = 0;                    ///< linear solves
-    double residual = 0.0;                 ///< |g| / |g at the step's start| reached
-    double energy_before = 0.0;            ///< kinetic + potential at the step's start [J]
-    double energy_after = 0.0;             ///< the same at its end [J]
-    double largest_stretch = 1.0;          ///< greatest principal stretch of any triangle at its end
-    int contacts = 0;                      ///< vertices met by the velocity filter
+    bool converged = true;         ///< false: not even in halved steps; the state is that of the step's start
+    int iterations = 0;            ///< linear solves
+    int retries = 0;               ///< steps that did not converge and were halved
+    double residual = 0.0;         ///< |∇Φ| / |∇Φ at the step's start| reached (integrator.h)
+    double energy_before = 0.0;    ///< kinetic + potential at the step's start [J]
+    double energy_after = 0.0;     ///< the same at its end [J]
+    double largest_stretch = 1.0;  ///< greatest principal stretch of any triangle at its end
+    int contacts = 0;              ///< vertices in contact with colliders
+    std::optional<int> worst_vertex;       ///< where a step that did not converge is farthest from balance
     std::optional<int> non_finite_vertex;  ///< the state is no longer usable
 };
 
@@ -45,7 +47,7 @@ class Simulation {
 
     /// One time step.
     StepReport step();
-    /// Steps to the next frame; stops early at a non-finite state.
+    /// Steps to the next frame; stops early where a step did not converge.
     FrameReport advance_frame();
 
   private:

@@ -235,6 +235,8 @@ SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& 
 }
 
 SparseSolver::~SparseSolver() = default;
+SparseSolver::SparseSolver(SparseSolver&&) noexcept = default;
+SparseSolver& SparseSolver::operator=(SparseSolver&&) noexcept = default;
 
 void SparseSolver::Impl::factorize_front(int s, const BlockMatrix& A) {
     Supernode& node = nodes[s];

@@ -21,6 +21,8 @@ class SparseSolver {
     /// `pinned`: sorted vertices whose rows and columns are left out.
     SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned);
     ~SparseSolver();
+    SparseSolver(SparseSolver&&) noexcept;
+    SparseSolver& operator=(SparseSolver&&) noexcept;
 
     /// False where the matrix is not positive definite (or not finite).
     bool factorize(const BlockMatrix& A);

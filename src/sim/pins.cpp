@@ -1,0 +1,48 @@
+#include "sim/pins.h"
+
+#include <algorithm>
+
+#include "sim/mesh.h"
+
+namespace cloth {
+
+MotionKey motion_at(const std::vector<MotionKey>& path, double time) {
+    if (path.empty()) return {};
+    if (time <= path.front().time) return path.front();
+    for (std::size_t k = 1; k < path.size(); ++k) {
+        if (time > path[k].time) continue;
+        const MotionKey &a = path[k - 1], &b = path[k];
+        const double share = (time - a.time) / (b.time - a.time);
+        return {time, a.translate + share * (b.translate - a.translate),
+                a.rotate + share * (b.rotate - a.rotate)};
+    }
+    return path.back();
+}
+
+std::vector<Pin> pins_of_step(const std::vector<PinGroup>& groups, double start, double end) {
+    constexpr double slack = 1e-9;  // a pin that lets go at 0.3 misses the step from 0.29999999999999998
+    std::vector<Pin> pins;
+    for (const PinGroup& group : groups) {
+        if (group.until && start >= *group.until - slack) continue;
+        if (group.path.empty()) {
+            for (std::size_t i = 0; i < group.vertices.size(); ++i) {
+                pins.push_back({group.vertices[i], group.start[i]});
+            }
+            continue;
+        }
+        const MotionKey key = motion_at(group.path, end);
+        const Mat3 R = rotation_matrix(key.rotate);
+        for (std::size_t i = 0; i < group.vertices.size(); ++i) {
+            pins.push_back(
+                {group.vertices[i], group.center + R * (group.start[i] - group.center) + key.translate});
+        }
+    }
+    std::stable_sort(pins.begin(), pins.end(),
+                     [](const Pin& a, const Pin& b) { return a.vertex < b.vertex; });
+    pins.erase(std::unique(pins.begin(), pins.end(),
+                           [](const Pin& a, const Pin& b) { return a.vertex == b.vertex; }),
+               pins.end());
+    return pins;
+}
+
+}  // namespace cloth
