@@ -47,7 +47,7 @@ Derivatives barrier(double gap, double activation, double stiffness) {
     if (!(gap > 0.0)) return {infinity, -infinity, infinity};
     const double z = gap / activation, y = 1.0 - z;
     return {stiffness * y * y * y / z, -stiffness / activation * y * y * (3.0 - 2.0 * y) / (z * z),
-            stiffness / (activation * activation) * 2.0 * y * (3.0 * z + y * (3.0 - 2.0 * y)) / (z * z * z)};
+            stiffness / (activation * activation) * 2.0 * y * (3.0 * z * z + y * (3.0 - 2.0 * y)) / (z * z * z)};
 }
 
 /// φ(u)/u-like factors: φ, φ'/u, and (φ'' - φ'/u)/u².
