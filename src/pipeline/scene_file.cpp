@@ -410,7 +410,9 @@ const Names<ContactKind> contact_names{{"velocity_filter", ContactKind::velocity
                                        {"penalty", ContactKind::penalty}};
 const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform},
                                       {"alternating", Diagonals::alternating}};
-const Names<Shape> shape_names{{"sphere", Shape::sphere}, {"plane", Shape::plane}};
+const Names<Shape> shape_names{{"sphere", Shape::sphere},     {"plane", Shape::plane},
+                               {"box", Shape::box},           {"capsule", Shape::capsule},
+                               {"cylinder", Shape::cylinder}, {"mesh", Shape::mesh}};
 const Names<Switch> switch_names{{"on", Switch::on}, {"off", Switch::off}, {"toggle", Switch::toggle}};
 
 // ---------------------------------------------------------------- what a file says
@@ -634,8 +636,11 @@ struct Document {
             choice("hessian", "of linearly_implicit_euler", s.hessian, hessian_names),
             choice("contact", "how cloth meets colliders", s.contact, contact_names),
             field("contact_stiffness", "N/m", "of contact = \"penalty\", per vertex", s.contact_stiffness),
-            field("sliding_speed", "m/s", "of contact = \"penalty\": friction is in full force above it",
+            field("sliding_speed", "m/s",
+                  "friction is in full force above it; default: 1e-3 with penalty, 1e-5 with barrier",
                   s.sliding_speed),
+            field("contact_activation", "m", "of contact = \"barrier\": gap at which repulsion begins",
+                  s.contact_activation),
             field("newton_iterations", "", "most of one implicit_euler step", s.newton_iterations),
             field("newton_tolerance", "", "residual at which implicit_euler stops, against the step's start",
                   s.newton_tolerance)};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "sim/colliders.h"
 #include "sim/contact.h"
 #include "sim/drag.h"
 #include "sim/membrane.h"
@@ -37,6 +38,7 @@ class Potential {
         for (const Energy* term : terms_) share = std::min(share, term->largest_share(x, d));
         return share;
     }
+    const std::vector<const Energy*>& terms() const { return terms_; }
 
   private:
     std::vector<const Energy*> terms_;
@@ -62,7 +64,8 @@ struct StagePotential {
         const SimulationDesc& options = model.scene.simulation;
         if (options.contact != ContactKind::penalty) return std::nullopt;
         return ColliderContactEnergy(model.scene.colliders, state.collider_on, start,
-                                     options.contact_stiffness, stage.h, options.sliding_speed);
+                                     options.contact_stiffness, stage.h,
+                                     options.sliding_speed.value_or(1e-3));
     }
     std::vector<Energy*> bind(const Model& model, const Stage& stage, Workspace& w) {
         drags.bind(model.pattern);
@@ -172,12 +175,36 @@ struct StageProblem {
     const Potential& potential;
     const std::vector<Pin>& pins;
     double h;
-    VecX y;               ///< shape (3n) [m]
-    VecX force = VecX();  ///< f, shape (3n) [N]; empty: none
+    VecX y;                  ///< shape (3n) [m]
+    double from, to;         ///< time where x starts and where it ends [s]
+    const VecX& slide_from;  ///< positions that friction counts its way from, shape (3n) [m]
+    VecX force = VecX();     ///< f, shape (3n) [N]; empty: none
 };
 
+bool minimize_among_barriers(const Model& model, const State& state, const StageProblem& problem, VecX& x,
+                             Workspace& w, StepReport& report) {
+    const auto& colliders = model.scene.colliders;
+    w.contact->begin(x, problem.slide_from, problem.h, placements_at(colliders, problem.from),
+                     placements_at(colliders, problem.to), state.collider_on);
+    const ContactSolveReport solve = minimize_with_contact(
+        {model, problem.potential.terms(), *w.contact, problem.pins, problem.h, problem.y, problem.force},
+        w.solver, x, w.contact_work);
+    report.iterations += solve.newton_iterations;
+    report.placements += solve.placements;
+    report.cg_iterations += solve.cg_iterations;
+    report.factorizations += solve.factorizations;
+    report.residual = std::max(report.residual, solve.residual);
+    if (solve.worst_vertex >= 0) report.worst_vertex = solve.worst_vertex;
+    if (!solve.converged) return false;
+    report.contacts = std::max(report.contacts, w.contact->contact_count(x));
+    report.smallest_gap = std::min(report.smallest_gap, w.contact->smallest_gap(x));
+    return true;
+}
+
 /// From the allowed positions x to the minimum; false where it is not reached. x is then of no use.
-bool minimize(const Model& model, const StageProblem& problem, VecX& x, Workspace& w, StepReport& report) {
+bool minimize(const Model& model, const State& state, const StageProblem& problem, VecX& x, Workspace& w,
+              StepReport& report) {
+    if (w.contact) return minimize_among_barriers(model, state, problem, x, w, report);
     const SimulationDesc& options = model.scene.simulation;
     const Potential& potential = problem.potential;
     const double h2 = problem.h * problem.h;
@@ -322,8 +349,10 @@ bool step_implicit_euler(const Model& model, State& state, double dt, const std:
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
     VecX x = state.positions;
-    if (!minimize(model, {terms.potential, pins, dt, state.positions + dt * state.velocities}, x, w,
-                  report)) {
+    if (!minimize(model, state,
+                  {terms.potential, pins, dt, state.positions + dt * state.velocities, state.time, stage.time,
+                   state.positions},
+                  x, w, report)) {
         return false;
     }
     state.velocities = (x - stage.base) / dt;
@@ -345,7 +374,10 @@ bool step_implicit_midpoint(const Model& model, State& state, double dt, const s
         pin.position = 0.5 * (pin.position + Vec3(state.positions.segment<3>(3 * pin.vertex)));
     }
     VecX x = state.positions;
-    if (!minimize(model, {terms.potential, half, h, state.positions + h * state.velocities}, x, w, report)) {
+    if (!minimize(model, state,
+                  {terms.potential, half, h, state.positions + h * state.velocities, state.time, stage.time,
+                   state.positions},
+                  x, w, report)) {
         return false;
     }
     VecX velocities = 2.0 / h * (x - state.positions) - state.velocities;
@@ -373,6 +405,11 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
         const Stage stage{q - h * v, h, state.time};
         const StagePotential terms(model, state, stage, stage.base, w);
         terms.potential.gradient(q, force);
+        if (w.contact) {
+            const auto there = placements_at(model.scene.colliders, state.time);
+            w.contact->begin(q, stage.base, h, there, there, state.collider_on);
+            w.contact->add_gradient(q, force);
+        }
         force *= -1.0;
         zero_pinned(pins, force);
     }
@@ -386,7 +423,10 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
             const Vec3 from = q.segment<3>(3 * pin.vertex);
             if (pin.position != from) pin.position = from + gamma * (pin.position - from);
         }
-        if (!minimize(model, {terms.potential, part, h, q + 2.0 * h * v, force}, x, w, report)) return false;
+        if (!minimize(model, state,
+                      {terms.potential, part, h, q + 2.0 * h * v, state.time, stage.time, q, force}, x, w,
+                      report))
+            return false;
         v_gamma = (x - stage.base) / h;
         for (const Pin& pin : pins) v_gamma.segment<3>(3 * pin.vertex) = v.segment<3>(3 * pin.vertex);
     }
@@ -394,7 +434,11 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
     const Stage stage{c1 * x - c0 * q, h, state.time + dt};
     const StagePotential terms(model, state, stage, x, w);
     VecX y = stage.base + h * (c1 * v_gamma - c0 * v);
-    if (!minimize(model, {terms.potential, pins, h, std::move(y)}, x, w, report)) return false;
+    const VecX middle = x;
+    if (!minimize(model, state,
+                  {terms.potential, pins, h, std::move(y), state.time + gamma * dt, stage.time, middle}, x, w,
+                  report))
+        return false;
     state.velocities = (x - stage.base) / h;
     for (const Pin& pin : pins) {
         state.velocities.segment<3>(3 * pin.vertex) = (pin.position - q.segment<3>(3 * pin.vertex)) / dt;
@@ -423,8 +467,12 @@ bool step_by(const Model& model, State& state, double dt, int halvings, Workspac
         return false;
     }();
     report.iterations += attempt.iterations;
+    report.placements += attempt.placements;
+    report.cg_iterations += attempt.cg_iterations;
+    report.factorizations += attempt.factorizations;
     report.contacts = std::max(report.contacts, attempt.contacts);
     if (converged) {
+        report.smallest_gap = std::min(report.smallest_gap, attempt.smallest_gap);
         report.residual = std::max(report.residual, attempt.residual);
         state.time += dt;
         return true;
@@ -463,6 +511,10 @@ Workspace::Workspace(const Model& model)
     : pinned(model.pinned), solver(model.pattern, model.pinned), stage_energies(make_stage_energies(model)) {
     for (BlockMatrix* matrix : {&system, &exact_system, &blended_system}) matrix->reset(model.pattern);
     for (const auto& energy : stage_energies) energy->bind(model.pattern);
+    if (model.scene.simulation.contact == ContactKind::barrier) {
+        contact.emplace(make_contact_system(model));
+        contact->bind(model.pattern);
+    }
 }
 
 double kinetic_energy(const Model& model, const State& state) {
@@ -476,7 +528,8 @@ double total_energy(const Model& model, const State& state) {
     const SimulationDesc& options = model.scene.simulation;
     if (options.contact == ContactKind::penalty) {
         energy += ColliderContactEnergy(model.scene.colliders, state.collider_on, state.positions,
-                                        options.contact_stiffness, model.time_step, options.sliding_speed)
+                                        options.contact_stiffness, model.time_step,
+                                        options.sliding_speed.value_or(1e-3))
                       .value(state.positions);
     }
     return energy;
@@ -485,6 +538,13 @@ double total_energy(const Model& model, const State& state) {
 StepReport advance(const Model& model, State& state, Workspace& w) {
     apply_events(model, state);
     update_drags(model.scene.drags, state.time, state.positions, model.triangles, state.drags);
+
+    if (w.contact && w.checked != state.collider_on) {
+        const auto there = placements_at(model.scene.colliders, state.time);
+        w.contact->begin(state.positions, state.positions, model.time_step, there, there, state.collider_on);
+        require_no_overlap(model, *w.contact, state.positions);
+        w.checked = state.collider_on;
+    }
 
     StepReport report;
     report.energy_before = total_energy(model, state);
