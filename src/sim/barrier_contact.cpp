@@ -15,6 +15,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Boxes reach this many activation distances farther than a motion, so that small ones need no detection.
 constexpr double margin_factor = 1.0;
+/// In activation distances: how far along a way collisions are looked for at first.
+constexpr double first_piece = 3.0;
 /// Share of a gap that a step must leave.
 constexpr double slack = 0.2;
 
@@ -46,8 +48,9 @@ Derivatives barrier(double gap, double activation, double stiffness) {
     if (gap >= activation) return {0.0, 0.0, 0.0};
     if (!(gap > 0.0)) return {infinity, -infinity, infinity};
     const double z = gap / activation, y = 1.0 - z;
-    return {stiffness * y * y * y / z, -stiffness / activation * y * y * (3.0 - 2.0 * y) / (z * z),
-            stiffness / (activation * activation) * 2.0 * y * (3.0 * z * z + y * (3.0 - 2.0 * y)) / (z * z * z)};
+    return {
+        stiffness * y * y * y / z, -stiffness / activation * y * y * (3.0 - 2.0 * y) / (z * z),
+        stiffness / (activation * activation) * 2.0 * y * (3.0 * z * z + y * (3.0 - 2.0 * y)) / (z * z * z)};
 }
 
 /// φ(u)/u-like factors: φ, φ'/u, and (φ'' - φ'/u)/u².
@@ -194,7 +197,8 @@ void BarrierContact::begin(const VecX& x, const VecX& slide_from, double h,
         }
         const double normal_force = -mollifier * barrier(c.gap, c.activation, c.stiffness).first;
         if (!(normal_force > 0.0)) continue;
-        Friction f{c.points, c.nearest.weights, c.normal, Vec3::Zero(), c.friction * normal_force};
+        Friction f{c.points,     c.nearest.weights,         c.normal,
+                   Vec3::Zero(), c.friction * normal_force, c.edges ? 2 : 1};
         Vec3 on_collider = Vec3::Zero();
         double side = 0.0;
         int body = -1;
@@ -261,7 +265,11 @@ BarrierContact::Candidate BarrierContact::make_candidate(const PairCandidate& pa
     mass[1] /= 4 - split;
     FourPoints rest;
     for (int i = 0; i < 4; ++i) rest[i] = system_.rest.segment<3>(3 * c.points[i]);
-    if (a == b) {
+    // Whether neighbours in the rest shape may be near: a bound first, for most are not.
+    const double spans =
+        (rest[split] - rest[0]).norm() - (split == 2 ? (rest[1] - rest[0]).norm() : 0.0) -
+        std::max((rest[3] - rest[split]).norm(), split == 1 ? (rest[2] - rest[1]).norm() : 0.0);
+    if (a == b && spans < 4.0 * c.offset + 2.0 * c.activation) {
         // Neighbours in a fine mesh stand nearer than the thickness at rest; they meet where that is halved.
         const double apart = std::sqrt(nearest(pair.kind, rest).distance_squared);
         c.offset = std::min(c.offset, 0.25 * apart);
@@ -301,18 +309,24 @@ void BarrierContact::detect(const VecX& x, const VecX& d, bool colliders_move) c
         boxes[v] = covered_[v];
         boxes[v].inflate(mesh.bodies[mesh.vertex_body[v]].radius + 0.5 * system_.activation);
     });
-    const std::vector<PairCandidate> pairs = broad_phase_.pairs(mesh, boxes, body_on_);
-    candidates_ = collect<Candidate>(static_cast<int>(pairs.size()), [&](int i, std::vector<Candidate>& out) {
-        const auto points = pair_points(mesh, pairs[i]);
-        const bool face = pairs[i].kind == PairKind::vertex_face;
-        const double reach =
-            face ? ways[points[0]] + std::max({ways[points[1]], ways[points[2]], ways[points[3]]})
-                 : std::max(ways[points[0]], ways[points[1]]) + std::max(ways[points[2]], ways[points[3]]);
-        const double far = reach + system_.activation + mesh.bodies[mesh.vertex_body[points[0]]].radius +
-                           mesh.bodies[mesh.vertex_body[points[face ? 1 : 2]]].radius;
-        if (nearest(pairs[i].kind, gather(x, points)).distance_squared > far * far) return;
-        out.push_back(make_candidate(pairs[i]));
-    });
+    const std::vector<PairCandidate> boxed = broad_phase_.pairs(mesh, boxes, body_on_);
+    auto pairs =
+        collect<PairCandidate>(static_cast<int>(boxed.size()), [&](int i, std::vector<PairCandidate>& out) {
+            const auto points = pair_points(mesh, boxed[i]);
+            const bool face = boxed[i].kind == PairKind::vertex_face;
+            const double reach =
+                face
+                    ? ways[points[0]] + std::max({ways[points[1]], ways[points[2]], ways[points[3]]})
+                    : std::max(ways[points[0]], ways[points[1]]) + std::max(ways[points[2]], ways[points[3]]);
+            const double far = reach + system_.activation + mesh.bodies[mesh.vertex_body[points[0]]].radius +
+                               mesh.bodies[mesh.vertex_body[points[face ? 1 : 2]]].radius;
+            if (nearest(boxed[i].kind, gather(x, points)).distance_squared <= far * far) {
+                out.push_back(boxed[i]);
+            }
+        });
+    std::sort(pairs.begin(), pairs.end());
+    candidates_.resize(pairs.size());
+    parallel_for(static_cast<int>(pairs.size()), [&](int i) { candidates_[i] = make_candidate(pairs[i]); });
     contacts_known_ = false;
 }
 
@@ -558,15 +572,28 @@ void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H
         Mat3 block;
     };
     std::vector<Entry> outside;
-    auto add = [&](int i, int j, const Mat3& block) {
-        const int slot =
-            i == j ? pattern_->diagonal(i) : find_slot(*pattern_, std::min(i, j), std::max(i, j));
+    auto add = [&](int i, int j, const Mat3& block, bool inside) {
+        const int slot = i == j   ? pattern_->diagonal(i)
+                         : inside ? find_slot(*pattern_, std::min(i, j), std::max(i, j))
+                                  : -1;
         const Mat3 upper = i <= j ? block : Mat3(block.transpose());
         if (slot >= 0) {
             H.blocks[slot] += upper;
         } else {
             outside.push_back({{std::min(i, j), std::max(i, j)}, static_cast<int>(outside.size()), upper});
         }
+    };
+    // What the pattern takes of a pair must be positive semi-definite by itself: both sides' own blocks, and
+    // those that couple the sides all or none.
+    auto couples_inside = [&](const std::array<int, 4>& points, int split) {
+        for (int i = 0; i < split; ++i) {
+            for (int j = split; j < 4; ++j) {
+                const int v = points[i], w = points[j];
+                if (v < 0 || w < 0 || v >= n || w >= n) continue;
+                if (find_slot(*pattern_, std::min(v, w), std::max(v, w)) < 0) return false;
+            }
+        }
+        return true;
     };
     for (std::size_t k = 0; k < list.size(); ++k) {
         const Contact& c = list[k];
@@ -575,10 +602,13 @@ void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H
                 barrier(c.gap, c.activation, c.stiffness).second * c.normal * c.normal.transpose();
             continue;
         }
+        const int split = c.edges ? 2 : 1;
+        const bool all_inside = couples_inside(c.points, split);
         for (int i = 0; i < 4; ++i) {
             for (int j = i; j < 4; ++j) {
                 if (c.points[i] < n && c.points[j] < n) {
-                    add(c.points[i], c.points[j], of_contact[k].block<3, 3>(3 * i, 3 * j));
+                    add(c.points[i], c.points[j], of_contact[k].block<3, 3>(3 * i, 3 * j),
+                        all_inside || (i < split) == (j < split));
                 }
             }
         }
@@ -592,12 +622,13 @@ void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H
         const Slide s = slide(u.norm(), sliding_way_);
         const Mat3 block = f.force * (s.slope * (Mat3::Identity() - f.normal * f.normal.transpose()) +
                                       s.curvature * u * u.transpose());
+        const bool all_inside = couples_inside(f.points, f.split);
         for (int i = 0; i < 4; ++i) {
             for (int j = i; j < 4; ++j) {
                 const int v = f.points[i], w = f.points[j];
                 if (v < 0 || w < 0 || v >= n || w >= n) continue;
                 if (f.weights[i] == 0.0 || f.weights[j] == 0.0) continue;
-                add(v, w, f.weights[i] * f.weights[j] * block);
+                add(v, w, f.weights[i] * f.weights[j] * block, all_inside || (i < f.split) == (j < f.split));
             }
         }
     }
@@ -661,14 +692,31 @@ double BarrierContact::plane_share(const VecX& x, const VecX& d, bool colliders_
     return share;
 }
 
+template <class F>
+double BarrierContact::search_share(const VecX& x, const VecX& d, bool colliders_move, const F& pair) const {
+    // Along the whole of a long way very many pairs may meet, most of them behind the first impact: look at a
+    // short piece first and lengthen it while it is free.
+    const Vec3 common = d.reshaped(3, d.size() / 3).rowwise().mean();
+    double longest = 0.0;
+    for (int v = 0; v < system_.cloth_vertices; ++v) {
+        longest = std::max(longest, (d.segment<3>(3 * v) - common).norm());
+    }
+    double piece = std::min(1.0, first_piece * system_.activation / longest);
+    if (colliders_move || !(longest > 0.0)) piece = 1.0;
+    for (;; piece = std::min(1.0, 4.0 * piece)) {
+        cover(x, piece * d, colliders_move);
+        const double share = least_share(static_cast<int>(candidates_.size()),
+                                         [&](int i) { return pair(candidates_[i], piece); });
+        if (share < 1.0 || piece == 1.0) return share * piece;
+    }
+}
+
 double BarrierContact::largest_share(const VecX& x, const VecX& d) const {
-    cover(x, d, false);
     const int n = system_.cloth_vertices;
-    const double share = least_share(static_cast<int>(candidates_.size()), [&](int i) {
-        const Candidate& k = candidates_[i];
+    const double share = search_share(x, d, false, [&](const Candidate& k, double piece) {
         FourPoints motion;
         for (int p = 0; p < 4; ++p) {
-            motion[p] = k.points[p] < n ? Vec3(d.segment<3>(3 * k.points[p])) : Vec3(Vec3::Zero());
+            motion[p] = k.points[p] < n ? Vec3(piece * d.segment<3>(3 * k.points[p])) : Vec3(Vec3::Zero());
         }
         return safe_step(k.kind, gather(x, k.points), motion, k.offset, slack);
     });
@@ -676,10 +724,8 @@ double BarrierContact::largest_share(const VecX& x, const VecX& d) const {
 }
 
 double BarrierContact::largest_share_placing(const VecX& x, const VecX& d) const {
-    cover(x, d, true);
     const int n = system_.cloth_vertices;
-    const double share = least_share(static_cast<int>(candidates_.size()), [&](int i) {
-        const Candidate& k = candidates_[i];
+    const double share = search_share(x, d, true, [&](const Candidate& k, double) {
         FourPoints motion;
         for (int p = 0; p < 4; ++p) {
             const int v = k.points[p];

@@ -107,7 +107,8 @@ class BarrierContact final : public Energy {
     double value(const VecX& x) const override;
     void add_gradient(const VecX& x, VecX& g) const override;
     void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const override;
-    /// The same with the blocks that couple two sides in `extra`, which is overwritten.
+    /// The same with what the pattern cannot take of the blocks that couple two sides in `extra`, which is
+    /// overwritten; what H gets of the projected Hessian is positive semi-definite by itself.
     void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H, ExtraBlocks& extra) const;
     void append_pairs(std::vector<std::array<int, 2>>& pairs) const override;
     void bind(const BlockPattern& pattern) override { pattern_ = &pattern; }
@@ -141,6 +142,7 @@ class BarrierContact final : public Energy {
         std::array<double, 4> weights;
         Vec3 normal, start;  ///< start: Σ w x of the cloth's points, and the collider's way, at u = 0
         double force;        ///< μ f [N]
+        int split;           ///< points before this one are side A's
     };
     using Vec12 = Eigen::Matrix<double, 12, 1>;
     using Mat12 = Eigen::Matrix<double, 12, 12>;
@@ -157,6 +159,8 @@ class BarrierContact final : public Energy {
     static Vec12 contact_gradient(const Contact& c, const FourPoints& x);
     static Mat12 contact_hessian(const Contact& c, const FourPoints& x, HessianKind kind);
     FourPoints gather(const VecX& x, const std::array<int, 4>& points) const;
+    template <class F>
+    double search_share(const VecX& x, const VecX& d, bool colliders_move, const F& pair) const;
     double plane_share(const VecX& x, const VecX& d, bool colliders_move) const;
 
     ContactSystem system_;

@@ -243,7 +243,6 @@ std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh, const std:
     // Edges of one simplex always share a vertex, and its vertices are its face's own: nothing within one.
     std::vector<PairCandidate> all;
     for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
-    std::sort(all.begin(), all.end());
     return all;
 }
 

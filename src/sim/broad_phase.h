@@ -1,7 +1,7 @@
 #pragma once
 // Which pairs may touch: a tree of boxes over each body's simplices. The trees' shapes are built once, from
 // rest positions, where neighbours in the cloth are neighbours in space for the whole run; the boxes are
-// refitted. The list comes in an order that depends on the boxes alone.
+// refitted. The list's order depends on the boxes alone.
 
 #include <array>
 #include <vector>
@@ -75,7 +75,7 @@ class BroadPhase {
     /// `positions`, shape (3 · vertices), give the trees their shape.
     BroadPhase(const ContactMesh& mesh, const VecX& positions);
 
-    /// Vertex-face and edge-edge pairs whose boxes overlap, ascending, each once; of bodies that are on; not
+    /// Vertex-face and edge-edge pairs whose boxes overlap, each once, unsorted; of bodies that are on; not
     /// of two colliders and not of pairs that share a vertex. `vertex_boxes`: one per vertex.
     std::vector<PairCandidate> pairs(const ContactMesh& mesh, const std::vector<Box>& vertex_boxes,
                                      const std::vector<std::uint8_t>& body_on);

@@ -6,39 +6,35 @@
 namespace cloth {
 namespace {
 
-void take_if_nearer(Nearest& best, const FourPoints& x, Nearest candidate) {
-    candidate.distance_squared = candidate.difference(x).squaredNorm();
-    if (candidate.distance_squared < best.distance_squared) best = candidate;
-}
-
-/// Where the point nearest to p lies on the segment a … b, clamped to [0, 1].
-double along_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-    const Vec3 e = b - a;
+/// Nearest point to p on the segment a … b: share of the way from a, in [0, 1], and distance squared.
+struct OnSegment {
+    double share, distance_squared;
+};
+OnSegment on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+    const Vec3 e = b - a, r = p - a;
     const double length_squared = e.squaredNorm();
-    if (!(length_squared > 0.0)) return 0.0;
-    return std::clamp(e.dot(p - a) / length_squared, 0.0, 1.0);
+    const double share = length_squared > 0.0 ? std::clamp(e.dot(r) / length_squared, 0.0, 1.0) : 0.0;
+    // Written as weights of the two ends, as the callers' weights will be.
+    return {share, (p - ((1.0 - share) * a + share * b)).squaredNorm()};
 }
 
 /// Point `p` against the segment of points `a`, `b`; `sign` is +1 where p belongs to side A.
-Nearest point_on_segment(const FourPoints& x, int p, int a, int b, double sign) {
-    const double s = along_segment(x[p], x[a], x[b]);
+Nearest vertex_edge(const FourPoints& x, int p, int a, int b, double sign, double share) {
     Nearest n;
     n.weights[p] = sign;
-    n.weights[a] = -sign * (1.0 - s);
-    n.weights[b] = -sign * s;
-    if (s > 0.0 && s < 1.0) {
+    n.weights[a] = -sign * (1.0 - share);
+    n.weights[b] = -sign * share;
+    if (share > 0.0 && share < 1.0) {
         n.slide_count = 1;
         n.slides[0][a] = 1.0;
         n.slides[0][b] = -1.0;
     }
+    n.distance_squared = n.difference(x).squaredNorm();
     return n;
 }
 
-Nearest nothing_yet() {
-    Nearest n;
-    n.distance_squared = 1.0 / 0.0;
-    return n;
-}
+/// Sine squared between two sides above which their common solution is taken without looking further.
+constexpr double sharp = 1e-6;
 
 long double orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     using L3 = Eigen::Matrix<long double, 3, 1>;
@@ -70,50 +66,63 @@ Nearest nearest_point_point(const Vec3& a, const Vec3& b) {
 }
 
 Nearest nearest_vertex_face(const FourPoints& x) {
-    Nearest best = nothing_yet();
     const Vec3 e1 = x[2] - x[1], e2 = x[3] - x[1], r = x[0] - x[1];
     const Vec3 normal = e1.cross(e2);
     const double area_squared = normal.squaredNorm();
+    Nearest inside;
+    inside.distance_squared = 1.0 / 0.0;
     if (area_squared > 0.0) {
         const double b2 = r.cross(e2).dot(normal) / area_squared;
         const double b3 = e1.cross(r).dot(normal) / area_squared;
         if (b2 > 0.0 && b3 > 0.0 && b2 + b3 < 1.0) {
-            Nearest n;
-            n.weights = {1.0, b2 + b3 - 1.0, -b2, -b3};
-            n.slide_count = 2;
-            n.slides[0] = {0.0, 1.0, -1.0, 0.0};
-            n.slides[1] = {0.0, 1.0, 0.0, -1.0};
-            take_if_nearer(best, x, n);
+            inside.weights = {1.0, b2 + b3 - 1.0, -b2, -b3};
+            inside.slide_count = 2;
+            inside.slides[0] = {0.0, 1.0, -1.0, 0.0};
+            inside.slides[1] = {0.0, 1.0, 0.0, -1.0};
+            inside.distance_squared = inside.difference(x).squaredNorm();
+            if (area_squared > sharp * e1.squaredNorm() * e2.squaredNorm()) return inside;
         }
     }
-    take_if_nearer(best, x, point_on_segment(x, 0, 1, 2, 1.0));
-    take_if_nearer(best, x, point_on_segment(x, 0, 2, 3, 1.0));
-    take_if_nearer(best, x, point_on_segment(x, 0, 3, 1, 1.0));
-    return best;
+    const OnSegment a = on_segment(x[0], x[1], x[2]), b = on_segment(x[0], x[2], x[3]),
+                    c = on_segment(x[0], x[3], x[1]);
+    Nearest edge;
+    if (a.distance_squared <= b.distance_squared && a.distance_squared <= c.distance_squared) {
+        edge = vertex_edge(x, 0, 1, 2, 1.0, a.share);
+    } else if (b.distance_squared <= c.distance_squared) {
+        edge = vertex_edge(x, 0, 2, 3, 1.0, b.share);
+    } else {
+        edge = vertex_edge(x, 0, 3, 1, 1.0, c.share);
+    }
+    return inside.distance_squared < edge.distance_squared ? inside : edge;
 }
 
 Nearest nearest_edge_edge(const FourPoints& x) {
-    Nearest best = nothing_yet();
     const Vec3 e1 = x[1] - x[0], e2 = x[3] - x[2], r = x[2] - x[0];
     const Vec3 normal = e1.cross(e2);
     const double sine_squared = normal.squaredNorm();  // times both lengths squared
+    Nearest inside;
+    inside.distance_squared = 1.0 / 0.0;
     if (sine_squared > 0.0) {
         const double s = r.cross(e2).dot(normal) / sine_squared;
         const double t = r.cross(e1).dot(normal) / sine_squared;
         if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) {
-            Nearest n;
-            n.weights = {1.0 - s, s, t - 1.0, -t};
-            n.slide_count = 2;
-            n.slides[0] = {1.0, -1.0, 0.0, 0.0};
-            n.slides[1] = {0.0, 0.0, 1.0, -1.0};
-            take_if_nearer(best, x, n);
+            inside.weights = {1.0 - s, s, t - 1.0, -t};
+            inside.slide_count = 2;
+            inside.slides[0] = {1.0, -1.0, 0.0, 0.0};
+            inside.slides[1] = {0.0, 0.0, 1.0, -1.0};
+            inside.distance_squared = inside.difference(x).squaredNorm();
+            if (sine_squared > sharp * e1.squaredNorm() * e2.squaredNorm()) return inside;
         }
     }
-    take_if_nearer(best, x, point_on_segment(x, 0, 2, 3, 1.0));
-    take_if_nearer(best, x, point_on_segment(x, 1, 2, 3, 1.0));
-    take_if_nearer(best, x, point_on_segment(x, 2, 0, 1, -1.0));
-    take_if_nearer(best, x, point_on_segment(x, 3, 0, 1, -1.0));
-    return best;
+    const OnSegment ends[4] = {on_segment(x[0], x[2], x[3]), on_segment(x[1], x[2], x[3]),
+                               on_segment(x[2], x[0], x[1]), on_segment(x[3], x[0], x[1])};
+    int best = 0;
+    for (int i = 1; i < 4; ++i) {
+        if (ends[i].distance_squared < ends[best].distance_squared) best = i;
+    }
+    const Nearest end = best < 2 ? vertex_edge(x, best, 2, 3, 1.0, ends[best].share)
+                                 : vertex_edge(x, best, 0, 1, -1.0, ends[best].share);
+    return inside.distance_squared < end.distance_squared ? inside : end;
 }
 
 double safe_step(PairKind kind, const FourPoints& x, const FourPoints& motion, double separation,
@@ -134,6 +143,16 @@ double safe_step(PairKind kind, const FourPoints& x, const FourPoints& motion, d
         for (int i = 0; i < 4; ++i) y[i] = x[i] + t * v[i];
         return std::sqrt(nearest(kind, y).distance_squared) - separation;
     };
+    // Most pairs are too far apart to meet: tell so by the boxes alone.
+    const double reach = (1.0 + slack) * closing + separation;
+    for (int a = 0; a < 3; ++a) {
+        const bool face = kind == PairKind::vertex_face;
+        const double low_a = face ? x[0](a) : std::min(x[0](a), x[1](a));
+        const double high_a = face ? x[0](a) : std::max(x[0](a), x[1](a));
+        const double low_b = std::min(face ? x[1](a) : x[2](a), std::min(x[2](a), x[3](a)));
+        const double high_b = std::max(face ? x[1](a) : x[2](a), std::max(x[2](a), x[3](a)));
+        if (low_a - high_b > reach || low_b - high_a > reach) return 1.0;
+    }
     double gap = gap_at(0.0);
     if (!(gap > 0.0)) return 0.0;
     if (gap > (1.0 + slack) * closing) return 1.0;

@@ -34,8 +34,8 @@ struct Nearest {
     }
 };
 
-/// Squared distances with weights. All features are tried and the least value wins, so that rounding in a
-/// needle's or a nearly parallel pair's own solution can cost accuracy only where another feature is as near.
+/// Squared distances with weights. Where a needle or nearly parallel edges make the inner solution doubtful,
+/// its distance and those of the boundary are compared and the least wins.
 Nearest nearest_point_point(const Vec3& a, const Vec3& b);
 Nearest nearest_vertex_face(const FourPoints& x);
 Nearest nearest_edge_edge(const FourPoints& x);
