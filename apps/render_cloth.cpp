@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "pipeline/error.h"
+#include "pipeline/fabric_list.h"
 #include "pipeline/golden.h"
 #include "pipeline/run.h"
 #include "pipeline/state_store.h"
@@ -36,9 +37,9 @@ namespace fs = std::filesystem;
 
 /// As typed; the values are read below, so that each is refused in the same words wherever it is given.
 struct Arguments {
-    std::string scene, frames, out, size, fps, threads, frame, format, file, golden;
+    std::string scene, frames, out, size, fps, threads, frame, format, file, golden, what, name;
     std::vector<std::string> set;
-    bool quiet = false, no_video = false, version = false;
+    bool quiet = false, no_video = false, version = false, sources = false;
 };
 
 [[noreturn]] void refuse(const std::string& line) {
@@ -326,7 +327,19 @@ ExitCode bless(const Arguments& args) {
     return ExitCode::good;
 }
 
-ExitCode list() {
+ExitCode list(const Arguments& args) {
+    if (args.what == "fabrics") {
+        if (args.name.empty()) fmt::print("{}", fabric_table());
+        if (args.sources && args.name.empty()) fmt::print("\n");
+        if (args.sources || !args.name.empty()) fmt::print("{}", fabric_sources(args.name));
+        if (!args.sources && args.name.empty())
+            fmt::print(
+                "\nwhere each number comes from: render_cloth list fabrics --sources, or list fabrics "
+                "NAME\n");
+        return ExitCode::good;
+    }
+    if (args.what != "scenes") refuse(fmt::format("list {}: give scenes or fabrics", args.what));
+    if (!args.name.empty() || args.sources) refuse("list scenes takes no name and no --sources; fabrics do");
     for (const auto& [name, description] : list_scenes()) fmt::print("{:<16}{}\n", name, description);
     return ExitCode::good;
 }
@@ -387,7 +400,11 @@ ExitCode dispatch(int argc, char** argv) {
     CLI::App* export_verb = verb("export", "A kept frame's state as a mesh file");
     CLI::App* compare_verb = verb("compare", "Run a scene and compare with its golden frames");
     CLI::App* bless_verb = verb("bless", "Run a scene and renew its golden frames");
-    CLI::App* list_verb = verb("list", "Names of the scenes");
+    CLI::App* list_verb = verb("list", "The scenes, or the fabrics and their values");
+    args.what = "scenes";
+    list_verb->add_option("what", args.what, "scenes (the default) or fabrics")->type_name("scenes|fabrics");
+    list_verb->add_option("name", args.name, "One fabric with the sources of its values")->type_name("NAME");
+    list_verb->add_flag("--sources", args.sources, "Fabrics with the sources of all values");
     for (CLI::App* each : {run_verb, simulate_verb}) {
         add_run_flags(*each, args);
         add_common_flags(*each, args);
@@ -435,7 +452,7 @@ ExitCode dispatch(int argc, char** argv) {
             refuse(fmt::format("{}: the scene is missing, as in render_cloth {} drape_sphere", name, name));
 
     if (args.version) return version();
-    if (*list_verb) return list();
+    if (*list_verb) return list(args);
     if (*render_verb) return render(args);
     if (*encode_verb) return encode(args);
     if (*export_verb) return export_mesh(args);
@@ -455,6 +472,9 @@ int main(int argc, char** argv) {
         return static_cast<int>(dispatch(argc, argv));
     } catch (const Error& e) {
         code = e.code;
+        line = e.what();
+    } catch (const OverlapError& e) {
+        code = ExitCode::start_overlap;
         line = e.what();
     } catch (const SceneError& e) {
         code = ExitCode::invalid_scene;

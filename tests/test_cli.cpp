@@ -130,6 +130,11 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"simulate", {"--scene is missing"}},
         {"frobnicate", {"unknown verb \"frobnicate\"", "simulate", "compare"}},
         {"simulate sheet.toml", {"unexpected argument \"sheet.toml\""}},
+        {"list clothes", {"list clothes: give scenes or fabrics"}},
+        {"list fabrics coton", {"no fabric \"coton\"; did you mean \"cotton\"?", "known: cotton, denim"}},
+        {"list scenes drape_sphere", {"list scenes takes no name"}},
+        {"list --sources", {"no --sources"}},
+        {"list fabrics cotton silk", {"unexpected argument \"silk\""}},
         {"--scene sheet.toml --frobnicate", {"unknown option --frobnicate", "--help"}},
         {"simulate --scene sheet.toml --frobnicate 3", {"unknown option --frobnicate"}},
         {"--scene sheet.toml --frames", {"--frames", "--help"}},
@@ -590,5 +595,16 @@ TEST_CASE("the program tells of itself", "[cli]") {
     CHECK(list.code == 0);
     for (const char* scene : {"seed_sheet", "seed_kick", "seed_drag", "drape_sphere", "hanging_sheet"})
         CHECK_THAT(list.out, Contains(scene));
+    CHECK(place.run("list scenes").out == list.out);
+    const Outcome fabrics = place.run("list fabrics");
+    CHECK(fabrics.code == 0);
+    for (const char* part : {"[g/m²]", "[N/m]", "[µN m]", "cotton", "paper", "--sources"})
+        CHECK_THAT(fabrics.out, Contains(part));
+    const Outcome silk = place.run("list fabrics silk");
+    CHECK(silk.code == 0);
+    CHECK_THAT(silk.out,
+               Contains("density") && Contains("0.082 kg/m²") && Contains("19 momme") && !Contains("wool:"));
+    const Outcome sources = place.run("list fabrics --sources");
+    CHECK_THAT(sources.out, Contains("Kawabata") && Contains("wool:") && Contains("[µN m]"));
     CHECK(place.files() == std::vector<std::string>{"sheet.toml"});
 }

@@ -11,6 +11,7 @@
 #include "pipeline/error.h"
 #include "pipeline/mesh_file.h"
 #include "pipeline/scene_file.h"
+#include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
 #include "temporary_folder.h"
@@ -60,6 +61,37 @@ bool same_material(const render::Material& a, const render::Material& b) {
            a.sheen == b.sheen;
 }
 
+void check_same_selection(const VertexSelection& p, const VertexSelection& q) {
+    CHECK(p.vertices == q.vertices);
+    CHECK(p.box == q.box);
+    CHECK(p.nearest == q.nearest);
+    CHECK(p.greatest == q.greatest);
+    CHECK(p.edge == q.edge);
+    CHECK(same(p.tolerance, q.tolerance));
+}
+
+void check_same_fabric(const Fabric& f, const Fabric& g) {
+    CHECK(f.name == g.name);
+    CHECK(same(f.density, g.density));
+    CHECK(same(f.thickness, g.thickness));
+    CHECK(f.membrane == g.membrane);
+    CHECK(same(f.young_modulus, g.young_modulus));
+    CHECK(same(f.poisson_ratio, g.poisson_ratio));
+    CHECK(f.young_weft == g.young_weft);
+    CHECK(f.shear_modulus == g.shear_modulus);
+    CHECK(f.mu == g.mu);
+    CHECK(f.lambda == g.lambda);
+    CHECK(f.strain_limit == g.strain_limit);
+    CHECK(f.bending_model == g.bending_model);
+    CHECK(same(f.bending, g.bending));
+    CHECK(f.bending_weft == g.bending_weft);
+    CHECK(f.bending_bias == g.bending_bias);
+    CHECK(f.yield_curvature == g.yield_curvature);
+    CHECK(same(f.membrane_damping, g.membrane_damping));
+    CHECK(same(f.bending_damping, g.bending_damping));
+    CHECK(same(f.friction, g.friction));
+}
+
 /// Everything in two scenes agrees, doubles to the bit.
 void check_same(const SceneFile& a, const SceneFile& b) {
     const SimulationDesc &s = a.scene.simulation, &t = b.scene.simulation;
@@ -74,6 +106,14 @@ void check_same(const SceneFile& a, const SceneFile& b) {
     CHECK(same(s.sliding_speed, t.sliding_speed));
     CHECK(s.newton_iterations == t.newton_iterations);
     CHECK(same(s.newton_tolerance, t.newton_tolerance));
+    CHECK(s.retries == t.retries);
+    CHECK(same(s.air.density, t.air.density));
+    CHECK(same(s.air.drag, t.air.drag));
+    CHECK(same(s.air.lift, t.air.lift));
+    CHECK(same_matrix(s.air.wind, t.air.wind));
+    CHECK(same(s.air.gusts, t.air.gusts));
+    CHECK(same(s.air.gust_length, t.air.gust_length));
+    CHECK(s.air.seed == t.air.seed);
     REQUIRE(a.scene.cloths.size() == b.scene.cloths.size());
     for (std::size_t i = 0; i < a.scene.cloths.size(); ++i) {
         const ClothDesc &c = a.scene.cloths[i], &d = b.scene.cloths[i];
@@ -91,13 +131,8 @@ void check_same(const SceneFile& a, const SceneFile& b) {
         CHECK(same_matrix(c.transform.translate, d.transform.translate));
         CHECK(same_matrix(c.velocity, d.velocity));
         CHECK(same(c.bump, d.bump));
-        CHECK(same(c.fabric.density, d.fabric.density));
-        CHECK(same(c.fabric.thickness, d.fabric.thickness));
-        CHECK(same(c.fabric.young_modulus, d.fabric.young_modulus));
-        CHECK(same(c.fabric.poisson_ratio, d.fabric.poisson_ratio));
-        CHECK(c.fabric.mu == d.fabric.mu);
-        CHECK(c.fabric.lambda == d.fabric.lambda);
-        CHECK(same(c.fabric.bending, d.fabric.bending));
+        CHECK(same_matrix(c.warp, d.warp));
+        check_same_fabric(c.fabric, d.fabric);
         CHECK(same_material(a.cloth_looks.at(i).material, b.cloth_looks.at(i).material));
     }
     REQUIRE(a.scene.colliders.size() == b.scene.colliders.size());
@@ -119,11 +154,27 @@ void check_same(const SceneFile& a, const SceneFile& b) {
     for (std::size_t i = 0; i < a.scene.pins.size(); ++i) {
         const PinDesc &p = a.scene.pins[i], &q = b.scene.pins[i];
         CHECK(p.cloth == q.cloth);
-        CHECK(p.vertices == q.vertices);
-        CHECK(p.box == q.box);
-        CHECK(p.nearest == q.nearest);
-        CHECK(p.greatest == q.greatest);
-        CHECK(same(p.tolerance, q.tolerance));
+        check_same_selection(p, q);
+        REQUIRE(p.path.size() == q.path.size());
+        for (std::size_t k = 0; k < p.path.size(); ++k) {
+            CHECK(same(p.path[k].time, q.path[k].time));
+            CHECK(same_matrix(p.path[k].translate, q.path[k].translate));
+            CHECK(same_matrix(p.path[k].rotate, q.path[k].rotate));
+        }
+        CHECK(p.center == q.center);
+        CHECK(p.until == q.until);
+    }
+    REQUIRE(a.scene.seams.size() == b.scene.seams.size());
+    for (std::size_t i = 0; i < a.scene.seams.size(); ++i) {
+        const SeamDesc &p = a.scene.seams[i], &q = b.scene.seams[i];
+        for (int side = 0; side < 2; ++side) {
+            CHECK(p.sides[side].cloth == q.sides[side].cloth);
+            check_same_selection(p.sides[side], q.sides[side]);
+        }
+        CHECK(p.reverse == q.reverse);
+        CHECK(same(p.begin, q.begin));
+        CHECK(same(p.close_time, q.close_time));
+        CHECK(same(p.stiffness, q.stiffness));
     }
     REQUIRE(a.scene.drags.size() == b.scene.drags.size());
     for (std::size_t i = 0; i < a.scene.drags.size(); ++i) {
@@ -194,12 +245,23 @@ contact_stiffness = 210
 sliding_speed = 0.002
 newton_iterations = 17
 newton_tolerance = 1e-7
+retries = 3
+
+[air]
+density = 1.1
+drag = 1.2
+lift = 0.5
+wind = [3, 0, 0.5]
+gusts = 0.7
+gust_length = 2
+seed = 4294967295
 
 [[cloth]]
 name = "sheet"
 size = [1.1, 0.9]
 resolution = [7, 5]
-diagonals = "uniform"
+diagonals = "mirrored"
+warp = [1, 0.5, 0]
 scale = 1.5
 rotate = [-90, 10, 5]
 translate = [0.1, 0.2, 0.3]
@@ -211,11 +273,22 @@ roughness = 0.6
 specular = 0.05
 sheen = 0.2
 [cloth.fabric]
+name = "sailcloth"
 density = 0.2
 thickness = 2e-3
+membrane = "st_venant_kirchhoff"
 young_modulus = 2e5
 poisson_ratio = 0.25
+young_weft = 1e5
+shear_modulus = 3e4
+bending_model = "hinges"
 bending = 1e-4
+bending_weft = 5e-5
+bending_bias = 6e-5
+yield_curvature = 200
+membrane_damping = 0.001
+bending_damping = 0.002
+friction = 0.35
 
 [[cloth]]
 name = "second"
@@ -243,6 +316,11 @@ contact_offset = 0.01
 
 [[pin]]
 vertices = [0, 3]
+center = [0, 0.1, 0]
+until = 1.5
+[[pin]]
+edge = "top"
+path = [{ time = 0.25 }, { time = 1, translate = [0, 0.1, 0], rotate = [0, 90, 0] }]
 [[pin]]
 cloth = "second"
 box = [[-9, -9, -9], [9, 9, 9]]
@@ -252,6 +330,14 @@ nearest = [0, 0, 0]
 [[pin]]
 greatest = "-x"
 tolerance = 0.02
+
+[[seam]]
+first = { edge = "left" }
+second = { cloth = "sheet", vertices = [6, 13, 20, 27, 34] }
+reverse = true
+begin = 0.5
+close_time = 0.25
+stiffness = 300
 
 [[drag]]
 path = [[0.1, 320, 240], [0.2, 330.5, 250]]
@@ -272,6 +358,9 @@ integrator = "toggle"
 [[event]]
 time = 0.8
 integrator = "linearly_implicit_euler"
+[[event]]
+time = 0.9
+integrator = "tr_bdf2"
 
 [camera]
 position = [1, 2, 3]
@@ -341,20 +430,41 @@ TEST_CASE("every key reaches its field", "[scene_file]") {
     CHECK(s.sliding_speed == 0.002);
     CHECK(s.newton_iterations == 17);
     CHECK(s.newton_tolerance == 1e-7);
+    CHECK(s.retries == 3);
+    CHECK(s.air.density == 1.1);
+    CHECK(s.air.drag == 1.2);
+    CHECK(s.air.lift == 0.5);
+    CHECK(s.air.wind == Vec3(3, 0, 0.5));
+    CHECK(s.air.gusts == 0.7);
+    CHECK(s.air.gust_length == 2.0);
+    CHECK(s.air.seed == 4294967295u);
 
     REQUIRE(f.scene.cloths.size() == 2);
     const ClothDesc& c = f.scene.cloths[0];
     CHECK(c.name == "sheet");
     CHECK(c.grid.size == Vec2(1.1, 0.9));
     CHECK(c.grid.resolution == std::array<int, 2>{7, 5});
-    CHECK(c.grid.diagonals == Diagonals::uniform);
+    CHECK(c.grid.diagonals == Diagonals::mirrored);
+    CHECK(c.warp == Vec3(1, 0.5, 0));
     CHECK(c.transform.scale == 1.5);
     CHECK(c.transform.rotate == Vec3(-90, 10, 5));
     CHECK(c.transform.translate == Vec3(0.1, 0.2, 0.3));
     CHECK(c.velocity == Vec3(1, 2, 3));
     CHECK(c.bump == 0.01);
+    CHECK(c.fabric.name == "sailcloth");
     CHECK(c.fabric.density == 0.2);
     CHECK(c.fabric.thickness == 2e-3);
+    CHECK(c.fabric.membrane == MembraneKind::st_venant_kirchhoff);
+    CHECK(c.fabric.young_weft == 1e5);
+    CHECK(c.fabric.shear_modulus == 3e4);
+    CHECK(!c.fabric.strain_limit);
+    CHECK(c.fabric.bending_model == BendingKind::hinges);
+    CHECK(c.fabric.bending_weft == 5e-5);
+    CHECK(c.fabric.bending_bias == 6e-5);
+    CHECK(c.fabric.yield_curvature == 200.0);
+    CHECK(c.fabric.membrane_damping == 0.001);
+    CHECK(c.fabric.bending_damping == 0.002);
+    CHECK(c.fabric.friction == 0.35);
     CHECK(c.fabric.young_modulus == 2e5);
     CHECK(c.fabric.poisson_ratio == 0.25);
     CHECK(c.fabric.bending == 1e-4);
@@ -389,15 +499,35 @@ TEST_CASE("every key reaches its field", "[scene_file]") {
     CHECK(wall.normal == Vec3(0, 2, 0.5));
     CHECK(wall.contact_offset == 0.01);
 
-    REQUIRE(f.scene.pins.size() == 4);
+    REQUIRE(f.scene.pins.size() == 5);
     CHECK(f.scene.pins[0].vertices == std::vector<int>{0, 3});
     CHECK(f.scene.pins[0].cloth == 0);
-    CHECK(f.scene.pins[1].cloth == 1);
-    CHECK((*f.scene.pins[1].box)[1] == Vec3(9, 9, 9));
+    CHECK(f.scene.pins[0].path.empty());
+    CHECK(*f.scene.pins[0].center == Vec3(0, 0.1, 0));
+    CHECK(f.scene.pins[0].until == 1.5);
+    CHECK(f.scene.pins[1].edge == "top");
+    REQUIRE(f.scene.pins[1].path.size() == 2);
+    CHECK(f.scene.pins[1].path[0].time == 0.25);
+    CHECK(f.scene.pins[1].path[0].translate == Vec3::Zero());
+    CHECK(f.scene.pins[1].path[1].time == 1.0);
+    CHECK(f.scene.pins[1].path[1].translate == Vec3(0, 0.1, 0));
+    CHECK(f.scene.pins[1].path[1].rotate == Vec3(0, 90, 0));
+    CHECK(!f.scene.pins[1].until);
     CHECK(f.scene.pins[2].cloth == 1);
-    CHECK(*f.scene.pins[2].nearest == Vec3(0, 0, 0));
-    CHECK(f.scene.pins[3].greatest == "-x");
-    CHECK(f.scene.pins[3].tolerance == 0.02);
+    CHECK((*f.scene.pins[2].box)[1] == Vec3(9, 9, 9));
+    CHECK(f.scene.pins[3].cloth == 1);
+    CHECK(*f.scene.pins[3].nearest == Vec3(0, 0, 0));
+    CHECK(f.scene.pins[4].greatest == "-x");
+    CHECK(f.scene.pins[4].tolerance == 0.02);
+
+    REQUIRE(f.scene.seams.size() == 1);
+    CHECK(f.scene.seams[0].sides[0].cloth == 0);
+    CHECK(f.scene.seams[0].sides[0].edge == "left");
+    CHECK(f.scene.seams[0].sides[1].vertices == std::vector<int>{6, 13, 20, 27, 34});
+    CHECK(f.scene.seams[0].reverse);
+    CHECK(f.scene.seams[0].begin == 0.5);
+    CHECK(f.scene.seams[0].close_time == 0.25);
+    CHECK(f.scene.seams[0].stiffness == 300.0);
 
     REQUIRE(f.scene.drags.size() == 1);
     CHECK(f.scene.drags[0].path[1].time == 0.2);
@@ -406,7 +536,7 @@ TEST_CASE("every key reaches its field", "[scene_file]") {
     CHECK(f.scene.drags[0].stiffness == 2e4);
     CHECK(f.scene.drags[0].viewport == Vec2(640, 480));
 
-    REQUIRE(f.scene.events.size() == 4);
+    REQUIRE(f.scene.events.size() == 5);
     CHECK(f.scene.events[0].time == 0.5);
     CHECK(f.scene.events[0].collider == 1);
     CHECK(f.scene.events[0].action == Switch::off);
@@ -414,6 +544,7 @@ TEST_CASE("every key reaches its field", "[scene_file]") {
     CHECK(f.scene.events[1].action == Switch::toggle);
     CHECK(f.scene.events[2].toggle_integrator);
     CHECK(f.scene.events[3].integrator == IntegratorKind::linearly_implicit_euler);
+    CHECK(f.scene.events[4].integrator == IntegratorKind::tr_bdf2);
 
     CHECK(f.view.eye == render::Float3{1, 2, 3});
     CHECK(f.view.target == render::Float3{0, 0.5f, 0});
@@ -565,7 +696,9 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("bump = \"high\"\n"), "cloth[0].bump: is a string; must be a number [m]"},
         {sheet("bump = 1979-05-27\n"), "cloth[0].bump: is a date or time; must be a number [m]"},
         {sheet("name = 3\n"), "cloth[0].name: is a whole number; must be a string"},
-        {sheet("fabric = 3\n"), "s.toml:3:10: cloth[0].fabric: is a whole number; must be a table"},
+        {sheet("fabric = 3\n"),
+         "s.toml:3:10: cloth[0].fabric: is a whole number; must be a fabric's name "
+         "or a table"},
         {sheet("[[collider]]\nenabled = 1\n"),
          "collider[0].enabled: is a whole number; must be true or false"},
         {sheet("[[pin]]\nvertices = 3\n"), "pin[0].vertices: is a whole number; must be an array"},
@@ -594,8 +727,9 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         // words
         {sheet("diagonals = \"unifrom\"\n"),
          "s.toml:3:13: cloth[0].diagonals: is \"unifrom\"; did you mean \"uniform\"? (one of uniform, "
-         "alternating)"},
-        {sheet("diagonals = \"zigzag-ish\"\n"), "is \"zigzag-ish\"; must be one of uniform, alternating"},
+         "mirrored, alternating)"},
+        {sheet("diagonals = \"zigzag-ish\"\n"),
+         "is \"zigzag-ish\"; must be one of uniform, mirrored, alternating"},
         {sheet("[simulation]\nintegrator = \"implict_euler\"\n"), "did you mean \"implicit_euler\"?"},
         {sheet("[simulation]\nhessian = \"none at all\"\n"), "must be one of assignment, projected"},
         {sheet("[simulation]\ncontact = \"penality\"\n"), "did you mean \"penalty\"?"},
@@ -604,7 +738,7 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("[[event]]\naction = \"of\"\n"), "event[0].action: is \"of\"; did you mean"},
         {sheet("[[event]]\nintegrator = \"euler\"\n"),
          "s.toml:4:14: event[0].integrator: is \"euler\"; must be one of "
-         "toggle, linearly_implicit_euler, implicit_euler"},
+         "toggle, linearly_implicit_euler, implicit_euler, tr_bdf2, implicit_midpoint"},
         // ranges, most of them known to the simulation alone
         {sheet("[simulation]\ntime_step = 0\n"),
          "s.toml:4:13: simulation.time_step: is 0; must be greater than 0 s"},
@@ -678,6 +812,85 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("[[pin]]\nbox = [[5, 5, 5], [6, 6, 6]]\n"), "s.toml:3:1: pin[0]: selects no vertex"},
         {sheet("[[pin]]\ngreatest = \"w\"\n"),
          "pin[0].greatest: is \"w\"; must be one of x, y, z, -x, -y, -z"},
+        {sheet("[[pin]]\nedge = \"up\"\n"),
+         "s.toml:4:8: pin[0].edge: is \"up\"; must be one of left, right, bottom, top"},
+        {sheet("[[pin]]\nedge = \"top\"\ngreatest = \"y\"\n"), "pin[0]: give exactly one of"},
+        {sheet("[[pin]]\nedge = \"top\"\nuntil = 0\n"),
+         "s.toml:5:9: pin[0].until: is 0; must be greater than 0 s"},
+        {sheet("[[pin]]\nedge = \"top\"\npath = [1]\n"),
+         "s.toml:5:9: pin[0].path[0]: is a whole number; must be { time, translate, rotate }"},
+        {sheet("[[pin]]\nedge = \"top\"\npath = [{ time = 0 }, { translate = [0, 1, 0] }]\n"),
+         "s.toml:5:23: pin[0].path[1]: has no time [s]"},
+        {sheet("[[pin]]\nedge = \"top\"\npath = [{ time = 0, tranlate = [0, 1, 0] }]\n"),
+         "s.toml:5:21: pin[0].path[0].tranlate: unknown key; did you mean \"translate\" [m]?"},
+        {sheet("[[pin]]\nedge = \"top\"\npath = [{ time = 0, rotate = 90 }]\n"),
+         "s.toml:5:30: pin[0].path[0].rotate: is a whole number; must be [x, y, z] [degree]"},
+        {sheet("[[pin]]\nedge = \"top\"\npath = [{ time = 1 }, { time = 1 }]\n"),
+         "s.toml:5:8: pin[0].path: has times that do not increase"},
+        {sheet("[[pin]]\nedge = \"top\"\npath = [{ time = -1 }]\n"),
+         "pin[0].path: is -1; must be at least 0 s"},
+        // seams
+        {sheet("[[seam]]\nfirst = { edge = \"left\" }\n"),
+         "s.toml:3:1: seam[0]: has no second; give the vertices of both sides"},
+        {sheet("[[seam]]\nfirst = \"left\"\n"),
+         "s.toml:4:9: seam[0].first: is a string; must be a table such as { edge = \"left\" }"},
+        {sheet("[[seam]]\nfirst = { egde = \"left\" }\n"),
+         "s.toml:4:11: seam[0].first.egde: unknown key; did you mean \"edge\"?"},
+        {sheet("[[seam]]\nfrist = { edge = \"left\" }\n"),
+         "s.toml:4:1: seam[0].frist: unknown key; did you mean \"first\"?"},
+        {sheet("[[seam]]\nfirst = { edge = \"left\", cloth = \"shed\" }\nsecond = { edge = \"left\" }\n"),
+         "s.toml:4:34: seam[0].first.cloth: there is no cloth \"shed\""},
+        {sheet("[[seam]]\nfirst = { edge = \"left\" }\nsecond = { edge = \"left\", cloth = 1 }\n"),
+         "seam[0].second.cloth: is 1; the scene has 1 [[cloth]]"},
+        {sheet("[[seam]]\nfirst = { edge = \"left\" }\nsecond = { vertices = [] }\n"),
+         "seam[0].second.vertices: is empty"},
+        {sheet("[[seam]]\nfirst = { edge = \"left\" }\nsecond = { vertices = [1, 2, 3] }\n"),
+         "s.toml:5:10: seam[0].second: has 3 vertices, the first side 20; a seam sews one to one"},
+        {sheet("[[seam]]\nfirst = {}\nsecond = { edge = \"left\" }\n"),
+         "s.toml:4:9: seam[0].first: give exactly one of vertices, box, nearest, greatest, edge"},
+        {sheet("[[seam]]\nfirst = { edge = \"left\" }\nsecond = { edge = \"right\" }\nclose_time = 0\n"),
+         "s.toml:6:14: seam[0].close_time: is 0; must be greater than 0 s"},
+        // air
+        {sheet("[air]\nlift = 0.5\n"), "s.toml:4:8: air.lift: is 0.5; must be at most the drag, 0"},
+        {sheet("[air]\ndensity = 0\n"), "air.density: is 0; must be greater than 0 kg/m³"},
+        {sheet("[air]\nseed = -1\n"), "s.toml:4:8: air.seed: is -1; must be 0 … 4294967295"},
+        {sheet("[air]\nseed = 0.5\n"), "air.seed: is a number; must be a whole number"},
+        {sheet("[air]\nwinds = [1, 0, 0]\n"), "air.winds: unknown key; did you mean \"wind\" [m/s]?"},
+        {sheet("[[air]]\n"), "air: is an array; must be a table, [air]"},
+        // fabrics
+        {sheet("fabric = \"coton\"\n"),
+         "s.toml:3:10: cloth[0].fabric: there is no fabric \"coton\"; did you mean \"cotton\"? known: "
+         "cotton, "
+         "denim, jersey, "},
+        {sheet("fabric = \"quite another\"\n"), "there is no fabric \"quite another\"; known: cotton, "},
+        {sheet("fabric = { base = \"wol\" }\n"),
+         "s.toml:3:19: cloth[0].fabric.base: there is no fabric \"wol\"; did you mean \"wool\"?"},
+        {sheet("fabric = { base = 3 }\n"),
+         "s.toml:3:19: cloth[0].fabric.base: is a whole number; must be a fabric's name"},
+        {sheet("fabric = { bse = \"wool\" }\n"),
+         "s.toml:3:12: cloth[0].fabric.bse: unknown key; did you mean \"base\"?"},
+        {sheet("fabric = \"cotton\"\n"),
+         "cloth[0].fabric.strain_limit: needs integrator = \"implicit_euler\""},
+        {sheet("fabric = { base = \"denim\", poisson_ratio = 1.5, strain_limit = 0 }\n"),
+         "cloth[0].fabric.poisson_ratio: is 1.5; must lie between -1 and 1"},
+        {sheet("fabric = { base = \"cotton\", density = -0.2, strain_limit = 0 }\n"),
+         "cloth[0].fabric.density: is -0.2; must be greater than 0 kg/m²"},
+        {sheet("fabric = { base = \"cotton\", mu = 1, lambda = 1, young_modulus = 1, strain_limit = 0 }\n"),
+         "cloth[0].fabric.young_modulus: stands beside mu and lambda"},
+        {sheet("fabric.membrane = \"neo_hokean\"\n"),
+         "s.toml:3:19: cloth[0].fabric.membrane: is \"neo_hokean\"; did you mean \"neo_hookean\"?"},
+        {sheet("fabric.bending_model = \"plates\"\n"), "must be one of quadratic, hinges"},
+        {sheet("fabric.young_weft = 1e5\n"),
+         "s.toml:3:21: cloth[0].fabric.young_weft: needs membrane = \"st_venant_kirchhoff\""},
+        {sheet("fabric = { strain_limit = 0.9 }\n[simulation]\nintegrator = \"implicit_euler\"\n"),
+         "s.toml:3:27: cloth[0].fabric.strain_limit: is 0.9; must be above 1, a stretch such as 1.05"},
+        {sheet("fabric.strain_limit = 1.05\n"),
+         "cloth[0].fabric.strain_limit: needs integrator = \"implicit_euler\" or \"tr_bdf2\""},
+        {sheet("fabric.yield_curvature = 100\n"),
+         "cloth[0].fabric.yield_curvature: needs bending_model = \"hinges\""},
+        {sheet("fabric.friction = -0.1\n"), "cloth[0].fabric.friction: is -0.1; must be at least 0"},
+        {sheet("warp = [0, 0, 0]\n"), "s.toml:3:8: cloth[0].warp: is zero; must point along the rest shape"},
+        {sheet("[simulation]\nretries = -1\n"), "simulation.retries: is -1; must be 0 … 20"},
         {sheet("[[drag]]\npath = [[0, 1, 1]]\n"), "s.toml:4:8: drag[0].path: needs at least two keys"},
         {sheet("[[drag]]\npath = [[1, 1, 1], [0.5, 1, 1]]\n"),
          "drag[0].path: has times that do not increase"},
@@ -718,6 +931,8 @@ TEST_CASE("a mesh's fault is told with the scene's place and the mesh's line", "
     CHECK_THAT(told("mesh = \".\"\n"), Contains("is a folder"));
     CHECK_THAT(told("mesh = \"good.obj\"\npose = \"four.obj\"\n"),
                Contains("s.toml:4:8: cloth[0].pose: has 4 vertices; the rest shape has 3"));
+    CHECK_THAT(told("mesh = \"good.obj\"\n[[pin]]\nedge = \"top\"\n"),
+               Contains("s.toml:5:8: pin[0].edge: names a grid's edge; this cloth is a mesh"));
     CHECK(told("mesh = \"good.obj\"\n") == "");
 }
 
@@ -754,6 +969,78 @@ TEST_CASE("overrides reach every kind of key", "[scene_file]") {
     CHECK(parse(sheet("fabric.young_modulus = 7\n"), {"cloth.fabric.mu=2", "cloth.fabric.lambda=1"})
               .scene.cloths[0]
               .fabric.lambda == 1.0);
+}
+
+TEST_CASE("an override's choice of vertices takes the place of the file's", "[scene_file]") {
+    const std::string text = sheet(
+        "[[pin]]\nnearest = [0, 0, 0]\n[[seam]]\nfirst = { edge = \"left\" }\nsecond = { greatest = \"x\" "
+        "}\n");
+    const SceneFile f = parse(text, {"pin.edge=top", "seam.second.edge=right", "seam.stiffness=5",
+                                     "pin.path=[{ time = 1, translate = [0, 1, 0] }]"});
+    CHECK(f.scene.pins[0].edge == "top");
+    CHECK(!f.scene.pins[0].nearest);
+    CHECK(f.scene.pins[0].path[0].translate == Vec3(0, 1, 0));
+    CHECK(f.scene.seams[0].sides[1].edge == "right");
+    CHECK(!f.scene.seams[0].sides[1].greatest);
+    CHECK(f.scene.seams[0].stiffness == 5.0);
+}
+
+TEST_CASE("a fabric is given by name, or by a name and what differs", "[scene_file]") {
+    const std::string implicit = "[simulation]\nintegrator = \"implicit_euler\"\n";
+    const auto fabric = [&](const std::string& value, const Overrides& overrides = {}) {
+        const SceneFile file = parse(sheet("fabric = " + value + "\n" + implicit), overrides);
+        INFO(file.resolved);
+        // The resolved scene holds the numbers, whatever becomes of the table.
+        CHECK_THAT(file.resolved, !Contains("base"));
+        check_same_fabric(parse(file.resolved).scene.cloths[0].fabric, file.scene.cloths[0].fabric);
+        return file.scene.cloths[0].fabric;
+    };
+    for (const NamedFabric& named : named_fabrics()) {
+        INFO(named.fabric.name);
+        check_same_fabric(fabric("\"" + named.fabric.name + "\""), named.fabric);
+    }
+    const Fabric& cotton = find_fabric("cotton")->fabric;
+    Fabric heavier = cotton;
+    heavier.density = 0.2;
+    check_same_fabric(fabric("{ density = 0.2, base = \"cotton\" }"), heavier);
+    heavier.name = "canvas";
+    check_same_fabric(fabric("{ base = \"cotton\", density = 0.2, name = \"canvas\" }"), heavier);
+    // Overrides know both ways of writing.
+    CHECK(fabric("\"cotton\"", {"cloth.fabric.density=0.3"}).density == 0.3);
+    CHECK(fabric("\"cotton\"", {"cloth.fabric.density=0.3"}).bending == cotton.bending);
+    CHECK(fabric("{ density = 0.2 }", {"cloth.fabric=silk"}).name == "silk");
+    CHECK(fabric("{ base = \"cotton\", density = 0.2 }", {"cloth.fabric.base=silk"}).name == "silk");
+    CHECK(fabric("{ base = \"cotton\", density = 0.2 }", {"cloth.fabric.base=silk"}).density == 0.2);
+    CHECK_THAT(refusal(sheet("fabric = \"cotton\"\n" + implicit), {"cloth.fabric=silc"}),
+               Catch::StartsWith("--set cloth.fabric=silc: cloth[0].fabric: there is no fabric"));
+}
+
+TEST_CASE("what changes a base leaves none of its values without a meaning", "[scene_file]") {
+    const auto fabric = [](const std::string& keys) {
+        return parse(sheet("fabric = { strain_limit = 0, " + keys + " }\n")).scene.cloths[0].fabric;
+    };
+    const Fabric plain = fabric("base = \"cotton\", membrane = \"neo_hookean\"");
+    CHECK(!plain.young_weft);
+    CHECK(!plain.shear_modulus);
+    CHECK(plain.young_modulus == find_fabric("cotton")->fabric.young_modulus);
+    CHECK(!fabric("base = \"cotton\", mu = 1, lambda = 1").young_weft);
+    CHECK(!fabric("base = \"cotton\", bending = 1e-3").bending_bias);
+    CHECK(fabric("base = \"cotton\", bending = 1e-3, bending_bias = 5e-4").bending_bias == 5e-4);
+    CHECK(fabric("base = \"cotton\", friction = 0.1").bending_bias);
+    CHECK(!fabric("base = \"paper\", bending_model = \"quadratic\"").yield_curvature);
+    CHECK(fabric("base = \"paper\"").yield_curvature);
+}
+
+TEST_CASE("zero leaves out a strain limit or a yield", "[scene_file]") {
+    const std::string text = sheet(
+        "fabric = { strain_limit = 1.05, bending_model = \"hinges\", yield_curvature = 90 }\n"
+        "[simulation]\nintegrator = \"tr_bdf2\"\n");
+    CHECK(parse(text).scene.cloths[0].fabric.strain_limit == 1.05);
+    CHECK_THAT(parse(text).resolved, Contains("strain_limit = 1.05"));
+    const SceneFile f = parse(text, {"cloth.fabric.strain_limit=0", "cloth.fabric.yield_curvature=0"});
+    CHECK(!f.scene.cloths[0].fabric.strain_limit);
+    CHECK(!f.scene.cloths[0].fabric.yield_curvature);
+    CHECK_THAT(f.resolved, Contains("strain_limit = 0.0"));
 }
 
 TEST_CASE("an override's mesh takes the grid's place", "[scene_file]") {
@@ -798,6 +1085,8 @@ TEST_CASE("a refused override is named as it was given", "[scene_file]") {
         {"cloth.resolution=1",
          "--set cloth.resolution=1: cloth[0].resolution: is 1; must be 2 … 4096 vertices"},
         {"cloth.mesh=none.obj", "--set cloth.mesh=none.obj: cloth[0].mesh: "},
+        {"pin.path=[{ time = 0, roatte = 1 }]", "the scene has 0 [[pin]], counted from 0"},
+        {"air.drag=-1", "--set air.drag=-1: air.drag: is -1; must be at least 0"},
         {"cloth.name=\xff\xfe", "has a value that is not UTF-8 text"},
     };
     for (const Case& c : cases) {
@@ -857,9 +1146,11 @@ TEST_CASE("a relative mesh is looked for beside the scene", "[scene_file]") {
 
 TEST_CASE("the key reference names every key with unit and default", "[scene_file]") {
     const std::string text = key_reference();
-    for (const char* part : {"[simulation]", "[[cloth]]", "[[collider]]", "[[pin]]", "[[drag]]", "[[event]]",
-                             "[camera]", "[[light]]", "[ground]", "[background]", "[output]", "[expect]",
-                             "density", "[kg/m²]", "contact_radius", "default [0.0, -9.8"}) {
+    for (const char* part :
+         {"[simulation]", "[[cloth]]",      "[[collider]]",      "[[pin]]",      "[[drag]]",    "[[event]]",
+          "[camera]",     "[[light]]",      "[ground]",          "[background]", "[output]",    "[expect]",
+          "[air]",        "[[seam]]",       "[seam.first]",      "strain_limit", "gust_length", "density",
+          "[kg/m²]",      "contact_radius", "default [0.0, -9.8"}) {
         CHECK_THAT(text, Contains(part));
     }
 }

@@ -15,6 +15,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/mesh_file.h"
+#include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
 #include "sim/portable_math.h"
@@ -37,6 +38,8 @@ namespace fs = std::filesystem;
 /// A value that does not fit its key; `what` says what would be right.
 struct BadValue {
     std::string what;
+    std::string part{};                          ///< of the key, "[1].time", where a part alone is bad
+    std::optional<toml::source_region> place{};  ///< of that part
 };
 
 std::string type_name(const toml::node& node) {
@@ -105,6 +108,18 @@ struct Value<int> {
 };
 
 template <>
+struct Value<std::uint32_t> {
+    static std::uint32_t read(const toml::node& node) {
+        if (!node.is_integer()) wrong_type(node, "a whole number");
+        const std::int64_t value = *node.value<std::int64_t>();
+        if (value < 0 || value > 4294967295LL)
+            throw BadValue{fmt::format("is {}; must be 0 … 4294967295", value)};
+        return static_cast<std::uint32_t>(value);
+    }
+    static std::string write(std::uint32_t value) { return std::to_string(value); }
+};
+
+template <>
 struct Value<bool> {
     static bool read(const toml::node& node) {
         if (!node.is_boolean()) wrong_type(node, "true or false");
@@ -161,7 +176,14 @@ template <class T>
 struct Value<std::vector<T>> {
     static std::vector<T> read(const toml::node& node) {
         std::vector<T> values;
-        for (const toml::node& entry : array_of(node, 0, "an array")) values.push_back(Value<T>::read(entry));
+        for (const toml::node& entry : array_of(node, 0, "an array")) {
+            try {
+                values.push_back(Value<T>::read(entry));
+            } catch (BadValue& bad) {
+                if (bad.place) bad.part = fmt::format("[{}]{}", values.size(), bad.part);
+                throw;
+            }
+        }
         return values;
     }
     static std::string write(const std::vector<T>& values) {
@@ -355,6 +377,69 @@ Field field(const char* key, const char* unit, const char* help, std::optional<T
             [&target] { return target ? Value<T>::write(*target) : std::string(); }};
 }
 
+std::string unit_suffix(const Field& field) {
+    const bool has_unit = !field.unit.empty() && field.unit.find(',') == field.unit.npos;
+    return has_unit ? " [" + field.unit + "]" : "";
+}
+
+/// "known here: …", or the nearest of them.
+std::string suggestion(const std::string& key, const Fields& fields, const std::vector<std::string>& more) {
+    std::vector<std::string> known = more;
+    for (const Field& f : fields) known.push_back(f.key);
+    const std::string near = nearest_word(key, known);
+    if (near.empty()) return "known here: " + join(known);
+    const auto f = std::find_if(fields.begin(), fields.end(), [&](const Field& g) { return g.key == near; });
+    return fmt::format("did you mean \"{}\"{}?", near, f == fields.end() ? "" : unit_suffix(*f));
+}
+
+/// An optional value that a file leaves out by 0.
+Field field_or_none(const char* key, const char* unit, const char* help, std::optional<double>& target) {
+    return {key, unit, help,
+            [&target](const toml::node& node) {
+                const double value = Value<double>::read(node);
+                target = value == 0.0 ? std::nullopt : std::optional(value);
+            },
+            [&target] { return Value<double>::write(target.value_or(0.0)); }};
+}
+
+Fields motion_fields(MotionKey& key) {
+    return {field("time", "s", "", key.time), field("translate", "m", "", key.translate),
+            field("rotate", "degree", "", key.rotate)};
+}
+
+template <>
+struct Value<MotionKey> {
+    static MotionKey read(const toml::node& node) {
+        const toml::table* table = node.as_table();
+        if (!table) {
+            throw BadValue{"is " + type_name(node) + "; must be { time, translate, rotate }", "",
+                           node.source()};
+        }
+        MotionKey key;
+        const Fields fields = motion_fields(key);
+        for (const auto& [toml_key, entry] : *table) {
+            const std::string name(toml_key.str());
+            const auto found =
+                std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == name; });
+            if (found == fields.end())
+                throw BadValue{"unknown key; " + suggestion(name, fields, {}), "." + name, toml_key.source()};
+            try {
+                found->read(entry);
+            } catch (const BadValue& bad) {
+                throw BadValue{bad.what + unit_suffix(*found), "." + name, entry.source()};
+            }
+        }
+        if (!table->contains("time")) throw BadValue{"has no time [s]", "", node.source()};
+        return key;
+    }
+    static std::string write(MotionKey key) {
+        std::string text;
+        for (const Field& f : motion_fields(key))
+            text += (text.empty() ? "{ " : ", ") + f.key + " = " + f.write();
+        return text + " }";
+    }
+};
+
 template <class E>
 using Names = std::vector<std::pair<const char*, E>>;
 
@@ -403,12 +488,21 @@ Field choice(const char* key, const char* help, std::optional<E>& target, const 
 
 const Names<IntegratorKind> integrator_names{
     {"linearly_implicit_euler", IntegratorKind::linearly_implicit_euler},
-    {"implicit_euler", IntegratorKind::implicit_euler}};
+    {"implicit_euler", IntegratorKind::implicit_euler},
+    {"tr_bdf2", IntegratorKind::tr_bdf2},
+    {"implicit_midpoint", IntegratorKind::implicit_midpoint}};
+const Names<MembraneKind> membrane_names{{"corotational", MembraneKind::corotational},
+                                         {"st_venant_kirchhoff", MembraneKind::st_venant_kirchhoff},
+                                         {"neo_hookean", MembraneKind::neo_hookean}};
+const Names<BendingKind> bending_names{{"quadratic", BendingKind::quadratic},
+                                       {"hinges", BendingKind::hinges}};
 const Names<HessianKind> hessian_names{{"assignment", HessianKind::assignment},
                                        {"projected", HessianKind::projected}};
 const Names<ContactKind> contact_names{{"velocity_filter", ContactKind::velocity_filter},
-                                       {"penalty", ContactKind::penalty}};
+                                       {"penalty", ContactKind::penalty},
+                                       {"barrier", ContactKind::barrier}};
 const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform},
+                                      {"mirrored", Diagonals::mirrored},
                                       {"alternating", Diagonals::alternating}};
 const Names<Shape> shape_names{{"sphere", Shape::sphere},     {"plane", Shape::plane},
                                {"box", Shape::box},           {"capsule", Shape::capsule},
@@ -470,6 +564,9 @@ struct ClothEntry {
                          desc.transform.translate),
                    field("velocity", "m/s", "at the start, of the free vertices", desc.velocity),
                    field("bump", "m", "height of a smooth out-of-plane offset of the start pose", desc.bump),
+                   field("warp", "", "direction of the warp on the rest shape", desc.warp),
+                   field("contact_thickness", "m", "of contact = \"barrier\": of the sheet as others feel it",
+                         desc.contact_thickness),
                    field("subdivisions", "", "Loop steps that smooth the drawn surface, 0 … 3",
                          subdivisions)} +
                look.fields();
@@ -480,28 +577,60 @@ struct ClothEntry {
             plain.write = [&f, write = plain.write] { return f.mu ? std::string() : write(); };
             return plain;
         };
-        return {
-            field("density", "kg/m²", "mass per area", f.density),
-            field("thickness", "m", "multiplies the membrane's moduli", f.thickness),
-            unless_mu(field("young_modulus", "Pa", "in-plane", f.young_modulus)),
-            unless_mu(field("poisson_ratio", "", "in-plane, plane stress", f.poisson_ratio)),
-            field("mu", "Pa", "handed to the membrane as it is, with lambda, instead of the two above", f.mu),
-            field("lambda", "Pa", "see mu", f.lambda),
-            field("bending", "N m", "bending rigidity", f.bending)};
+        return {field("name", "", "what lists call it", f.name),
+                field("density", "kg/m²", "mass per area", f.density),
+                field("thickness", "m", "multiplies the membrane's moduli", f.thickness),
+                choice("membrane", "resistance in the plane", f.membrane, membrane_names),
+                unless_mu(field("young_modulus", "Pa", "in-plane; of st_venant_kirchhoff along the warp",
+                                f.young_modulus)),
+                unless_mu(field("poisson_ratio", "",
+                                "in-plane, plane stress; weft's shortening over warp's stretch",
+                                f.poisson_ratio)),
+                field("young_weft", "Pa", "of st_venant_kirchhoff, along the weft; default: as young_modulus",
+                      f.young_weft),
+                field("shear_modulus", "Pa",
+                      "of st_venant_kirchhoff, of warp against weft; default: as isotropic", f.shear_modulus),
+                field("mu", "Pa", "handed to the membrane as it is, with lambda, instead of the moduli above",
+                      f.mu),
+                field("lambda", "Pa", "see mu", f.lambda),
+                field_or_none("strain_limit", "", "stretch that no triangle reaches, above 1; 0: none",
+                              f.strain_limit),
+                choice("bending_model", "resistance to bending", f.bending_model, bending_names),
+                field("bending", "N m", "bending rigidity along the warp", f.bending),
+                field("bending_weft", "N m", "along the weft; default: as bending", f.bending_weft),
+                field("bending_bias", "N m", "at 45 degrees; default: between warp and weft", f.bending_bias),
+                field_or_none("yield_curvature", "1/m", "of hinges: a sharper fold stays in part; 0: elastic",
+                              f.yield_curvature),
+                field("membrane_damping", "s", "viscous stress over stiffness times strain rate",
+                      f.membrane_damping),
+                field("bending_damping", "s", "viscous moment over rigidity times curvature rate",
+                      f.bending_damping),
+                field("friction", "", "Coulomb coefficient", f.friction)};
     }
 };
 
 struct ColliderEntry {
     ColliderDesc desc;
+    std::optional<std::string> mesh;
     LookEntry look{.color = {Vec3(0.35, 0.42, 0.5)}, .back_color = {}, .roughness = 0.35, .specular = 0.05};
 
     Fields fields() {
         return Fields{
                    field("name", "", "by which events refer to it", desc.name),
                    choice("shape", "of the collider", desc.shape, shape_names),
-                   field("center", "m", "centre of a sphere, a point on a plane", desc.center),
+                   field("center", "m", "where the shape's origin stands; a point on a plane", desc.center),
                    field("normal", "", "of a plane, outward", desc.normal),
-                   field("radius", "m", "of a sphere, as drawn", desc.radius),
+                   field("radius", "m", "of a sphere, capsule or cylinder, as drawn", desc.radius),
+                   field("height", "m", "of a capsule's axis or a cylinder, along y", desc.height),
+                   field("size", "m", "of a box", desc.size),
+                   field("mesh", "file", "of shape = \"mesh\"; open or closed", mesh),
+                   field("scale", "", "of a mesh", desc.scale),
+                   field("rotate", "degree",
+                         "of a box, capsule, cylinder or mesh, about fixed x, then y, then z", desc.rotate),
+                   field("path", "",
+                         "[{ time, translate, rotate }, …] in s, m, degree: moves it; about center",
+                         desc.path),
+                   field("spin", "degree/s", "steady turn about center: axis times rate", desc.spin),
                    field("contact_offset", "m", "contact begins this far outside the drawn surface",
                          desc.contact_offset),
                    field("contact_radius", "m", "of a sphere: contact begins here, instead of contact_offset",
@@ -513,19 +642,46 @@ struct ColliderEntry {
     }
 };
 
-struct PinEntry {
-    PinDesc desc;
+/// Some of a cloth's vertices, as a pin or a side of a seam names them.
+struct SelectionEntry {
     std::optional<ClothReference> cloth;
     std::optional<std::vector<int>> vertices;
-    Fields fields() {
+    Fields fields(VertexSelection& s) {
         return {field("cloth", "", "name or index of the cloth; default: the first", cloth),
                 field("vertices", "", "indices into the cloth's vertices", vertices),
-                field("box", "m", "[[x, y, z], [x, y, z]]: lower and upper corner, start pose", desc.box),
-                field("nearest", "m", "the vertex nearest this point of the start pose", desc.nearest),
-                field("greatest", "", "x, y, z, -x, -y or -z: the vertices furthest that way", desc.greatest),
-                field("tolerance", "m", "of greatest", desc.tolerance)};
+                field("box", "m", "[[x, y, z], [x, y, z]]: lower and upper corner, start pose", s.box),
+                field("nearest", "m", "the vertex nearest this point of the start pose", s.nearest),
+                field("greatest", "", "x, y, z, -x, -y or -z: the vertices furthest that way", s.greatest),
+                field("edge", "", "of a grid: left, right, bottom or top", s.edge),
+                field("tolerance", "m", "of greatest", s.tolerance)};
     }
 };
+
+struct PinEntry {
+    PinDesc desc;
+    SelectionEntry selection;
+    Fields fields() {
+        return selection.fields(desc) +
+               Fields{
+                   field("path", "", "[{ time, translate, rotate }, …] in s, m, degree: moves the vertices",
+                         desc.path),
+                   field("center", "m", "of rotate; default: the mean of the vertices", desc.center),
+                   field("until", "s", "lets go then; default: never", desc.until)};
+    }
+};
+
+struct SeamEntry {
+    SeamDesc desc;
+    std::array<SelectionEntry, 2> selections;
+    Fields fields() {
+        return {field("reverse", "", "the second side in the opposite order", desc.reverse),
+                field("begin", "s", "closing starts", desc.begin),
+                field("close_time", "s", "from the start distance to none", desc.close_time),
+                field("stiffness", "N/m", "of each spring", desc.stiffness)};
+    }
+    Fields side_fields(int side) { return selections[side].fields(desc.sides[side]); }
+};
+const char* const seam_sides[] = {"first", "second"};
 
 struct DragEntry {
     DragDesc desc;
@@ -546,7 +702,7 @@ struct EventEntry {
         return {field("time", "s", "acts from the first step that starts then", desc.time),
                 field("collider", "name", "the collider that is switched", collider),
                 choice("action", "on the collider; default: toggle", action, switch_names),
-                field("integrator", "", "toggle, linearly_implicit_euler or implicit_euler", integrator)};
+                field("integrator", "", "toggle, or the name of one", integrator)};
     }
 };
 
@@ -611,6 +767,7 @@ struct Document {
     std::vector<ClothEntry> cloths;
     std::vector<ColliderEntry> colliders;
     std::vector<PinEntry> pins;
+    std::vector<SeamEntry> seams;
     std::vector<DragEntry> drags;
     std::vector<EventEntry> events;
     CameraEntry camera;
@@ -641,9 +798,21 @@ struct Document {
                   s.sliding_speed),
             field("contact_activation", "m", "of contact = \"barrier\": gap at which repulsion begins",
                   s.contact_activation),
-            field("newton_iterations", "", "most of one implicit_euler step", s.newton_iterations),
-            field("newton_tolerance", "", "residual at which implicit_euler stops, against the step's start",
-                  s.newton_tolerance)};
+            field("newton_iterations", "", "most of one solve; of all but linearly_implicit_euler",
+                  s.newton_iterations),
+            field("newton_tolerance", "", "residual at which a solve stops, against the step's start",
+                  s.newton_tolerance),
+            field("retries", "", "times that a step which does not converge is halved", s.retries)};
+    }
+    Fields air_fields() {
+        AirDesc& a = scene.simulation.air;
+        return {field("density", "kg/m³", "of the air", a.density),
+                field("drag", "", "coefficient of a triangle's projected area; 0: no air", a.drag),
+                field("lift", "", "coefficient, at most drag", a.lift),
+                field("wind", "m/s", "mean", a.wind),
+                field("gusts", "m/s", "root mean square of each component", a.gusts),
+                field("gust_length", "m", "longest wave of the gusts", a.gust_length),
+                field("seed", "", "of the gusts", a.seed)};
     }
     Fields output_fields() {
         return {field("size", "pixel", "of pictures and movie", size),
@@ -669,8 +838,12 @@ const std::vector<std::vector<std::string>> alternatives{
     {"cloth.fabric.poisson_ratio", "cloth.fabric.mu"},
     {"cloth.fabric.poisson_ratio", "cloth.fabric.lambda"},
     {"collider.contact_offset", "collider.contact_radius"},
+    {"pin.vertices", "pin.box", "pin.nearest", "pin.greatest", "pin.edge"},
+    {"seam.first.vertices", "seam.first.box", "seam.first.nearest", "seam.first.greatest", "seam.first.edge"},
+    {"seam.second.vertices", "seam.second.box", "seam.second.nearest", "seam.second.greatest",
+     "seam.second.edge"},
 };
-const std::set<std::string> lists{"cloth", "collider", "pin", "drag", "event", "light"};
+const std::set<std::string> lists{"cloth", "collider", "pin", "seam", "drag", "event", "light"};
 
 class Reader {
   public:
@@ -748,6 +921,11 @@ class Reader {
                 path += (path.empty() ? "" : ".") + fmt::format("{}[{}]", name, wanted);
             } else {
                 if (!table->contains(name)) table->insert(name, toml::table{});
+                if (toml::node* word = table->get(name); plain == "cloth.fabric" && word->is_string()) {
+                    toml::table named;
+                    named.insert("base", std::move(*word->as_string()));
+                    table->insert_or_assign(name, std::move(named));
+                }
                 if (!table->get(name)->is_table()) refuse(fmt::format("\"{}\" is no table", plain));
                 table = table->get_as<toml::table>(name);
                 path += (path.empty() ? "" : ".") + name;
@@ -770,10 +948,7 @@ class Reader {
             try {
                 found->read(node);
             } catch (const BadValue& bad) {
-                fail_at(node.source(), full,
-                        bad.what + (found->unit.empty() || found->unit.find(',') != found->unit.npos
-                                        ? ""
-                                        : " [" + found->unit + "]"));
+                fail_at(bad.place.value_or(node.source()), full + bad.part, bad.what + unit_suffix(*found));
             }
         }
     }
@@ -861,19 +1036,7 @@ class Reader {
 
     [[noreturn]] void unknown_key(const toml::key& toml_key, const std::string& full, const std::string& key,
                                   const Fields& fields, const std::vector<std::string>& nested) {
-        std::vector<std::string> known = nested;
-        for (const Field& f : fields) known.push_back(f.key);
-        const std::string near = nearest_word(key, known);
-        std::string message = "unknown key; ";
-        if (near.empty()) {
-            message += "known here: " + join(known);
-        } else {
-            const auto f =
-                std::find_if(fields.begin(), fields.end(), [&](const Field& g) { return g.key == near; });
-            const bool unit = f != fields.end() && !f->unit.empty() && f->unit.find(',') == f->unit.npos;
-            message += fmt::format("did you mean \"{}\"{}?", near, unit ? " [" + f->unit + "]" : "");
-        }
-        fail_at(toml_key.source(), full, message);
+        fail_at(toml_key.source(), full, "unknown key; " + suggestion(key, fields, nested));
     }
 
     static void set_value(toml::table& table, const std::string& key, const std::string& text) {
@@ -941,33 +1104,62 @@ int index_of(Reader& reader, const std::string& key, const std::string& name, co
                                                  : "known: " + join(names)));
 }
 
+Fabric named_fabric(Reader& reader, const toml::node& name, const std::string& key) {
+    if (!name.is_string()) reader.fail(key, "is " + type_name(name) + "; must be a fabric's name");
+    const std::string text = *name.value<std::string>();
+    if (const NamedFabric* found = find_fabric(text)) return found->fabric;
+    reader.fail(key, unknown_fabric(text));
+}
+
+/// fabric = "cotton", or a table, which may have a base = "cotton".
+void read_fabric(Reader& reader, const toml::node& node, const std::string& key, ClothEntry& cloth) {
+    Fabric& f = cloth.desc.fabric;
+    if (node.is_string()) {
+        f = named_fabric(reader, node, key);
+        return;
+    }
+    if (!node.is_table()) {
+        reader.fail(key, "is " + type_name(node) + "; must be a fabric's name or a table");
+    }
+    const toml::table& table = *node.as_table();
+    if (table.contains("base")) f = named_fabric(reader, *table.get("base"), key + ".base");
+    reader.read(table, key, cloth.fabric_fields(), {"base"});
+    // What the table changes leaves parts of its base without a meaning.
+    const auto drop = [&](const char* name, auto& value) {
+        if (!table.contains(name)) value.reset();
+    };
+    if (f.mu || f.lambda || f.membrane != MembraneKind::st_venant_kirchhoff) {
+        drop("young_weft", f.young_weft);
+        drop("shear_modulus", f.shear_modulus);
+    }
+    if (table.contains("bending") || table.contains("bending_weft")) drop("bending_bias", f.bending_bias);
+    if (f.bending_model != BendingKind::hinges) drop("yield_curvature", f.yield_curvature);
+    for (const char* name : {"young_modulus", "poisson_ratio"}) {
+        if (table.contains(name) && (f.mu || f.lambda)) {
+            reader.fail(key + "." + name,
+                        "stands beside mu and lambda, which take its place; give one or the other");
+        }
+    }
+}
+
 void read_document(Reader& reader, Document& d) {
-    const std::vector<std::string> tables{"simulation", "cloth",      "collider", "pin",
-                                          "drag",       "event",      "camera",   "light",
-                                          "ground",     "background", "output",   "expect"};
+    const std::vector<std::string> tables{"simulation", "air",        "cloth",  "collider", "pin",
+                                          "seam",       "drag",       "event",  "camera",   "light",
+                                          "ground",     "background", "output", "expect"};
     reader.read(reader.root(), "", d.top_fields(), tables);
     if (!reader.root().contains("version")) reader.fail("version", "is missing; write version = 1");
     if (d.version != 1) reader.fail("version", fmt::format("is {}; this program reads version 1", d.version));
 
     if (const auto* t = reader.table("simulation")) reader.read(*t, "simulation", d.simulation_fields());
+    if (const auto* t = reader.table("air")) reader.read(*t, "air", d.air_fields());
     const auto cloths = reader.list("cloth");
     d.cloths.resize(cloths.size());
     for (std::size_t i = 0; i < cloths.size(); ++i) {
         ClothEntry& c = d.cloths[i];
         c.desc.name = cloths.size() == 1 ? "cloth" : fmt::format("cloth{}", i);
         reader.read(*cloths[i], entry("cloth", i), c.fields(), {"fabric"});
-        if (const toml::node* fabric = cloths[i]->get("fabric")) {
-            if (!fabric->is_table()) {
-                reader.fail(entry("cloth", i) + ".fabric", "is " + type_name(*fabric) + "; must be a table");
-            }
-            reader.read(*fabric->as_table(), entry("cloth", i) + ".fabric", c.fabric_fields());
-            for (const char* key : {"young_modulus", "poisson_ratio"}) {
-                if (fabric->as_table()->contains(key) && (c.desc.fabric.mu || c.desc.fabric.lambda)) {
-                    reader.fail(entry("cloth", i) + ".fabric." + key,
-                                "stands beside mu and lambda, which take its place; give one or the other");
-                }
-            }
-        }
+        if (const toml::node* fabric = cloths[i]->get("fabric"))
+            read_fabric(reader, *fabric, entry("cloth", i) + ".fabric", c);
     }
     const auto colliders = reader.list("collider");
     d.colliders.resize(colliders.size());
@@ -978,6 +1170,23 @@ void read_document(Reader& reader, Document& d) {
     const auto pins = reader.list("pin");
     d.pins.resize(pins.size());
     for (std::size_t i = 0; i < pins.size(); ++i) reader.read(*pins[i], entry("pin", i), d.pins[i].fields());
+    const auto seams = reader.list("seam");
+    d.seams.resize(seams.size());
+    for (std::size_t i = 0; i < seams.size(); ++i) {
+        const std::string key = entry("seam", i);
+        reader.read(*seams[i], key, d.seams[i].fields(), {seam_sides[0], seam_sides[1]});
+        for (int side = 0; side < 2; ++side) {
+            const std::string side_key = key + "." + seam_sides[side];
+            const toml::node* node = seams[i]->get(seam_sides[side]);
+            if (!node)
+                reader.fail(key, fmt::format("has no {}; give the vertices of both sides", seam_sides[side]));
+            if (!node->is_table()) {
+                reader.fail(side_key,
+                            "is " + type_name(*node) + "; must be a table such as { edge = \"left\" }");
+            }
+            reader.read(*node->as_table(), side_key, d.seams[i].side_fields(side));
+        }
+    }
     const auto drags = reader.list("drag");
     d.drags.resize(drags.size());
     for (std::size_t i = 0; i < drags.size(); ++i)
@@ -1044,27 +1253,48 @@ void resolve_cloths(Reader& reader, Document& d) {
     }
 }
 
+void resolve_selection(Reader& reader, const std::string& key, const SelectionEntry& selection,
+                       const std::vector<ClothEntry>& cloths, VertexSelection& desc, int& cloth) {
+    if (selection.cloth && !selection.cloth->name.empty()) {
+        cloth = index_of(reader, key + ".cloth", selection.cloth->name, cloths, "cloth");
+    } else if (selection.cloth) {
+        cloth = selection.cloth->index;
+        if (cloth < 0 || static_cast<std::size_t>(cloth) >= cloths.size()) {
+            reader.fail(key + ".cloth", fmt::format("is {}; the scene has {} [[cloth]], counted from 0",
+                                                    cloth, cloths.size()));
+        }
+    }
+    if (selection.vertices) {
+        if (selection.vertices->empty()) reader.fail(key + ".vertices", "is empty; name at least one vertex");
+        desc.vertices = *selection.vertices;
+    }
+}
+
 void resolve_references(Reader& reader, Document& d) {
     require_distinct_names(reader, "collider", d.colliders);
-    for (const ColliderEntry& c : d.colliders) d.scene.colliders.push_back(c.desc);
+    for (std::size_t i = 0; i < d.colliders.size(); ++i) {
+        ColliderEntry& c = d.colliders[i];
+        if (c.mesh) {
+            const std::string key = entry("collider", i) + ".mesh";
+            if (c.desc.shape != Shape::mesh) reader.fail(key, "belongs to shape = \"mesh\"");
+            const fs::path path = reader.find_file(*c.mesh);
+            c.mesh = path.string();
+            c.desc.mesh = load(reader, key, path, read_mesh);
+        }
+        d.scene.colliders.push_back(c.desc);
+    }
     for (std::size_t i = 0; i < d.pins.size(); ++i) {
         PinEntry& p = d.pins[i];
-        if (p.cloth && !p.cloth->name.empty()) {
-            p.desc.cloth = index_of(reader, entry("pin", i) + ".cloth", p.cloth->name, d.cloths, "cloth");
-        } else if (p.cloth) {
-            p.desc.cloth = p.cloth->index;
-            if (p.desc.cloth < 0 || static_cast<std::size_t>(p.desc.cloth) >= d.cloths.size()) {
-                reader.fail(entry("pin", i) + ".cloth",
-                            fmt::format("is {}; the scene has {} [[cloth]], counted from 0", p.desc.cloth,
-                                        d.cloths.size()));
-            }
-        }
-        if (p.vertices) {
-            if (p.vertices->empty())
-                reader.fail(entry("pin", i) + ".vertices", "is empty; name at least one vertex");
-            p.desc.vertices = *p.vertices;
-        }
+        resolve_selection(reader, entry("pin", i), p.selection, d.cloths, p.desc, p.desc.cloth);
         d.scene.pins.push_back(p.desc);
+    }
+    for (std::size_t i = 0; i < d.seams.size(); ++i) {
+        SeamEntry& s = d.seams[i];
+        for (int side = 0; side < 2; ++side) {
+            resolve_selection(reader, entry("seam", i) + "." + seam_sides[side], s.selections[side], d.cloths,
+                              s.desc.sides[side], s.desc.sides[side].cloth);
+        }
+        d.scene.seams.push_back(s.desc);
     }
     for (std::size_t i = 0; i < d.events.size(); ++i) {
         EventEntry& e = d.events[i];
@@ -1170,12 +1400,18 @@ std::string write_fields(const Fields& fields) {
 std::string write_document(Document& d) {
     std::string text = write_fields(d.top_fields());
     text += "\n[simulation]\n" + write_fields(d.simulation_fields());
+    text += "\n[air]\n" + write_fields(d.air_fields());
     for (ClothEntry& c : d.cloths) {
         text += "\n[[cloth]]\n" + write_fields(c.fields()) + "\n[cloth.fabric]\n" +
                 write_fields(c.fabric_fields());
     }
     for (ColliderEntry& c : d.colliders) text += "\n[[collider]]\n" + write_fields(c.fields());
     for (PinEntry& p : d.pins) text += "\n[[pin]]\n" + write_fields(p.fields());
+    for (SeamEntry& s : d.seams) {
+        text += "\n[[seam]]\n" + write_fields(s.fields());
+        for (int side = 0; side < 2; ++side)
+            text += fmt::format("\n[seam.{}]\n", seam_sides[side]) + write_fields(s.side_fields(side));
+    }
     for (DragEntry& drag : d.drags) text += "\n[[drag]]\n" + write_fields(drag.fields());
     for (EventEntry& e : d.events) text += "\n[[event]]\n" + write_fields(e.fields());
     text += "\n[camera]\n" + write_fields(d.camera.fields());
@@ -1237,10 +1473,23 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
             if (d.scene.cloths[i].mesh)
                 check_cloth_mesh(*d.scene.cloths[i].mesh, entry("cloth", i) + ".mesh");
         }
-        for (std::size_t i = 0; i < d.scene.pins.size(); ++i) {
-            const ClothDesc& c = d.scene.cloths[d.scene.pins[i].cloth];
-            select_vertices(d.scene.pins[i], start_positions(c, c.mesh ? *c.mesh : make_grid(c.grid)),
-                            entry("pin", i));
+        const auto selected = [&](const VertexSelection& selection, int cloth, const std::string& key) {
+            const ClothDesc& c = d.scene.cloths[cloth];
+            return select_vertices(selection, start_positions(c, c.mesh ? *c.mesh : make_grid(c.grid)), key,
+                                   c.mesh ? nullptr : &c.grid)
+                .size();
+        };
+        for (std::size_t i = 0; i < d.scene.pins.size(); ++i)
+            selected(d.scene.pins[i], d.scene.pins[i].cloth, entry("pin", i));
+        for (std::size_t i = 0; i < d.scene.seams.size(); ++i) {
+            const auto& [first, second] = d.scene.seams[i].sides;
+            const std::string key = entry("seam", i);
+            const std::size_t a = selected(first, first.cloth, key + ".first"),
+                              b = selected(second, second.cloth, key + ".second");
+            if (a != b)
+                throw SceneError(key + ".second", fmt::format("has {} vertices, the first side {}; a seam "
+                                                              "sews one to one, so give as many",
+                                                              b, a));
         }
     } catch (const SceneError& error) {
         reader.fail(error.key, error.what());
@@ -1309,6 +1558,14 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
     return parse_scene(read_text(path), path.string(), fs::absolute(path).parent_path(), overrides);
 }
 
+std::string unknown_fabric(const std::string& name) {
+    std::vector<std::string> known;
+    for (const NamedFabric& f : named_fabrics()) known.push_back(f.fabric.name);
+    const std::string near = nearest_word(name, known);
+    return fmt::format("there is no fabric \"{}\"; {}known: {}", name,
+                       near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), join(known));
+}
+
 std::vector<fs::path> scene_folders() {
     std::vector<fs::path> folders;
     if (const char* assets = std::getenv("CLOTH_ASSETS")) folders.push_back(fs::path(assets) / "scenes");
@@ -1340,6 +1597,7 @@ std::string key_reference() {
     cloth.diagonals = cloth.desc.grid.diagonals;
     ColliderEntry collider;
     PinEntry pin;
+    SeamEntry seam;
     DragEntry drag;
     EventEntry event;
     GroundEntry ground;
@@ -1354,10 +1612,14 @@ std::string key_reference() {
     };
     table("(top of the file)", d.top_fields());
     table("[simulation]", d.simulation_fields());
+    table("[air]", d.air_fields());
     table("[[cloth]]", cloth.fields());
-    table("[cloth.fabric]", cloth.fabric_fields());
+    table("[cloth.fabric]  (or fabric = \"cotton\"; base = \"cotton\" begins with its values)",
+          cloth.fabric_fields());
     table("[[collider]]", collider.fields());
     table("[[pin]]", pin.fields());
+    table("[[seam]]", seam.fields());
+    table("[seam.first], [seam.second]", seam.side_fields(0));
     table("[[drag]]", drag.fields());
     table("[[event]]", event.fields());
     table("[camera]", d.camera.fields());

@@ -27,7 +27,7 @@ static_assert(std::endian::native == std::endian::little, "states are stored lit
 
 namespace {
 
-constexpr int state_format = 1;
+constexpr int state_format = 2;
 constexpr std::string_view state_magic = "CLOTHST1";
 constexpr std::string_view topology_magic = "CLOTHTP1";
 
@@ -211,6 +211,7 @@ void write_state(const State& state, const fs::path& path, Compression compressi
             for (int i = 0; i < 3; ++i) out.value(anchor[i]);
         for (int i = 0; i < 3; ++i) out.value(drag.grabbed[i]);
     }
+    out.doubles(state.rest_folds.data(), static_cast<std::size_t>(state.rest_folds.size()));
     write_file(path, pack(state_magic, out.bytes, compression));
 }
 
@@ -225,7 +226,7 @@ State read_state(const fs::path& path) {
         state.frame = in.value<std::int64_t>();
         state.time = in.value<double>();
         const auto integrator = in.value<std::uint8_t>();
-        if (integrator > 1) throw Error(ExitCode::other, path.string() + ": damaged (unknown integrator)");
+        if (integrator > 3) throw Error(ExitCode::other, path.string() + ": damaged (unknown integrator)");
         state.integrator = static_cast<IntegratorKind>(integrator);
         state.events_done = in.value<std::uint32_t>();
         const auto sized = [](VecX& vector) {
@@ -248,6 +249,7 @@ State read_state(const fs::path& path) {
                 for (int i = 0; i < 3; ++i) anchor[i] = in.value<double>();
             for (int i = 0; i < 3; ++i) drag.grabbed[i] = in.value<double>();
         }
+        in.doubles(sized(state.rest_folds));
     });
     if (state.positions.size() != state.velocities.size() || state.positions.size() % 3 != 0)
         throw Error(ExitCode::other, path.string() + ": damaged (positions and velocities do not match)");

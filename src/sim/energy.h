@@ -7,6 +7,7 @@
 
 #include "sim/block_matrix.h"
 #include "sim/scene.h"
+#include "sim/state.h"
 #include "sim/types.h"
 
 namespace cloth {
@@ -34,9 +35,10 @@ class Energy {
 
 /// What a solve knows of its step. Velocities within it are (x - base) / h, with x the positions solved for.
 struct Stage {
-    VecX base;          ///< shape (3n) [m]
-    double h = 0.0;     ///< [s]
-    double time = 0.0;  ///< at the solve's end [s]
+    VecX base;           ///< shape (3n) [m]
+    double h = 0.0;      ///< [s]
+    double time = 0.0;   ///< at the solve's end [s]
+    const State& state;  ///< at the step's start
 };
 
 /// A term that depends on the step: dissipation (a potential whose gradient is minus the force at the
@@ -44,6 +46,10 @@ struct Stage {
 class StageEnergy : public Energy {
   public:
     virtual void begin(const Stage& stage) = 0;
+    /// After the step that reached `state`: what it changes for good.
+    virtual void finish(State& /*state*/) const {}
+    /// Whether its value belongs to the stored energy.
+    virtual bool conservative() const { return false; }
 };
 
 }  // namespace cloth

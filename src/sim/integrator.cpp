@@ -138,7 +138,8 @@ bool factorize_newton_system(const Model& model, const Potential& potential, con
 bool step_linearly_implicit(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                             Workspace& w, StepReport& report) {
     const SimulationDesc& options = model.scene.simulation;
-    const StagePotential stage(model, state, {state.positions, dt, state.time + dt}, state.positions, w);
+    const StagePotential stage(model, state, {state.positions, dt, state.time + dt, state}, state.positions,
+                               w);
     std::vector<FilterContact> filtered;
     if (options.contact == ContactKind::velocity_filter) {
         filtered = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
@@ -344,7 +345,7 @@ class FilterOfStep {
 
 bool step_implicit_euler(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                          Workspace& w, StepReport& report) {
-    const Stage stage{state.positions, dt, state.time + dt};
+    const Stage stage{state.positions, dt, state.time + dt, state};
     const StagePotential terms(model, state, stage, state.positions, w);
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
@@ -364,7 +365,7 @@ bool step_implicit_euler(const Model& model, State& state, double dt, const std:
 bool step_implicit_midpoint(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                             Workspace& w, StepReport& report) {
     const double h = 0.5 * dt;
-    const Stage stage{state.positions, h, state.time + h};
+    const Stage stage{state.positions, h, state.time + h, state};
     const StagePotential terms(model, state, stage, state.positions, w);
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
@@ -402,7 +403,7 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
     // The forces at the start: those of a stage that ends there with the velocities v.
     VecX force;
     {
-        const Stage stage{q - h * v, h, state.time};
+        const Stage stage{q - h * v, h, state.time, state};
         const StagePotential terms(model, state, stage, stage.base, w);
         terms.potential.gradient(q, force);
         if (w.contact) {
@@ -415,7 +416,7 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
     }
     VecX x = q, v_gamma;
     {
-        const Stage stage{q + h * v, h, state.time + gamma * dt};
+        const Stage stage{q + h * v, h, state.time + gamma * dt, state};
         const StagePotential terms(model, state, stage, q, w);
         if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
         std::vector<Pin> part = pins;
@@ -431,7 +432,7 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
         for (const Pin& pin : pins) v_gamma.segment<3>(3 * pin.vertex) = v.segment<3>(3 * pin.vertex);
     }
     const double c1 = 1.0 / (gamma * (2.0 - gamma)), c0 = (1.0 - gamma) * (1.0 - gamma) * c1;
-    const Stage stage{c1 * x - c0 * q, h, state.time + dt};
+    const Stage stage{c1 * x - c0 * q, h, state.time + dt, state};
     const StagePotential terms(model, state, stage, x, w);
     VecX y = stage.base + h * (c1 * v_gamma - c0 * v);
     const VecX middle = x;
@@ -522,7 +523,10 @@ double kinetic_energy(const Model& model, const State& state) {
     return kinetic_energy(model, state.velocities, scratch);
 }
 
-double total_energy(const Model& model, const State& state) {
+namespace {
+
+double stored_energy(const Model& model, const State& state,
+                     const std::vector<std::unique_ptr<StageEnergy>>& stage_energies) {
     DragEnergy drags(model.scene.drags, state.drags, state.time);
     double energy = kinetic_energy(model, state) + Potential(model, {&drags}).value(state.positions);
     const SimulationDesc& options = model.scene.simulation;
@@ -532,7 +536,18 @@ double total_energy(const Model& model, const State& state) {
                                         options.sliding_speed.value_or(1e-3))
                       .value(state.positions);
     }
+    for (const auto& term : stage_energies) {
+        if (!term->conservative()) continue;
+        term->begin({state.positions, model.time_step, state.time, state});
+        energy += term->value(state.positions);
+    }
     return energy;
+}
+
+}  // namespace
+
+double total_energy(const Model& model, const State& state) {
+    return stored_energy(model, state, make_stage_energies(model));
 }
 
 StepReport advance(const Model& model, State& state, Workspace& w) {
@@ -547,7 +562,7 @@ StepReport advance(const Model& model, State& state, Workspace& w) {
     }
 
     StepReport report;
-    report.energy_before = total_energy(model, state);
+    report.energy_before = stored_energy(model, state, w.stage_energies);
     const State before = state;
     report.converged = step_by(model, state, model.time_step, model.scene.simulation.retries, w, report);
     if (!report.converged) {
@@ -563,8 +578,9 @@ StepReport advance(const Model& model, State& state, Workspace& w) {
         report.converged = false;
         return report;
     }
-    report.energy_after = total_energy(model, state);
-    report.largest_stretch = model.membrane->largest_stretch(state.positions);
+    for (const auto& energy : w.stage_energies) energy->finish(state);
+    report.energy_after = stored_energy(model, state, w.stage_energies);
+    report.largest_stretch = largest_stretch(model.triangles, model.triangle_rest, state.positions);
     return report;
 }
 

@@ -133,6 +133,14 @@ double membrane_stretch(const TriangleRest& rest, const Vec9& q9) {
     return 0.5 * (k.I + std::sqrt(k.D2));
 }
 
+double largest_stretch(const Triangles& triangles, const std::vector<TriangleRest>& rest, const VecX& x) {
+    return parallel_max(static_cast<int>(rest.size()), 0.0, [&](int t) {
+        Vec9 q9;
+        for (int i = 0; i < 3; ++i) q9.segment<3>(3 * i) = x.segment<3>(3 * triangles(t, i));
+        return membrane_stretch(rest[t], q9);
+    });
+}
+
 MembraneEnergy::MembraneEnergy(std::vector<std::array<int, 3>> triangles, std::vector<TriangleRest> rest)
     : elements_(std::move(triangles)), rest_(std::move(rest)) {}
 
@@ -152,11 +160,6 @@ void MembraneEnergy::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H
                    ? d2V_membrane_corotational_dq2(r.dphi, q9, r.volume, r.mu, r.lambda)
                    : membrane_hessian(r, q9, kind == HessianKind::projected);
     });
-}
-
-double MembraneEnergy::largest_stretch(const VecX& x) const {
-    return parallel_max(elements_.count(), 0.0,
-                        [&](int t) { return membrane_stretch(rest_[t], elements_.gather(x, t)); });
 }
 
 }  // namespace cloth

@@ -40,6 +40,9 @@ Mat9 membrane_hessian(const TriangleRest& rest, const Vec9& q9, bool project);
 /// Larger principal stretch s0.
 double membrane_stretch(const TriangleRest& rest, const Vec9& q9);
 
+/// Greatest principal stretch of any triangle.
+double largest_stretch(const Triangles& triangles, const std::vector<TriangleRest>& rest, const VecX& x);
+
 class MembraneEnergy final : public Energy {
   public:
     MembraneEnergy(std::vector<std::array<int, 3>> triangles, std::vector<TriangleRest> rest);
@@ -52,9 +55,6 @@ class MembraneEnergy final : public Energy {
         elements_.append_pairs(pairs);
     }
     void bind(const BlockPattern& pattern) override { elements_.bind(pattern); }
-
-    /// Greatest principal stretch of any triangle.
-    double largest_stretch(const VecX& x) const;
 
   private:
     Elements<3> elements_;

@@ -48,6 +48,43 @@ MeshData make_grid(const Grid& grid) {
     return mesh;
 }
 
+MeshData make_disc(const Disc& disc) {
+    MeshData mesh;
+    const int m = disc.rings;
+    mesh.positions.resize(1 + 3 * static_cast<Eigen::Index>(m) * (m + 1), 3);
+    mesh.triangles.resize(6 * static_cast<Eigen::Index>(m) * m, 3);
+    mesh.positions.row(0).setZero();
+    Eigen::Index v = 1, t = 0;
+    int inner = 0;  // first vertex of the ring inside
+    for (int k = 1; k <= m; ++k) {
+        const int outer = static_cast<int>(v);
+        const double r = disc.radius * k / m;
+        for (int i = 0; i < 6 * k; ++i) {
+            const double degrees = 60.0 * i / k;
+            mesh.positions.row(v++) << r * cos_degrees(degrees), r * sin_degrees(degrees), 0.0;
+        }
+        // Each sixth: k triangles with an edge on this ring, k - 1 with one on the ring inside.
+        auto on_ring = [](int first, int count, int i) { return count == 0 ? first : first + i % count; };
+        for (int side = 0; side < 6; ++side) {
+            for (int i = 0; i < k; ++i) {
+                const int a = on_ring(outer, 6 * k, side * k + i),
+                          b = on_ring(outer, 6 * k, side * k + i + 1);
+                const int c = on_ring(inner, 6 * (k - 1), side * (k - 1) + i);
+                mesh.triangles.row(t++) << a, b, c;
+                if (i + 1 < k)
+                    mesh.triangles.row(t++) << b, on_ring(inner, 6 * (k - 1), side * (k - 1) + i + 1), c;
+            }
+        }
+        inner = outer;
+    }
+    return mesh;
+}
+
+MeshData rest_shape(const ClothDesc& cloth) {
+    if (cloth.mesh) return *cloth.mesh;
+    return cloth.disc ? make_disc(*cloth.disc) : make_grid(cloth.grid);
+}
+
 void check_cloth_mesh(const MeshData& mesh, const std::string& key) {
     const int n = static_cast<int>(mesh.positions.rows());
     const Triangles& F = mesh.triangles;

@@ -11,6 +11,13 @@ namespace cloth {
 /// Vertices row by row from the lower left, x fastest: vertex (i, j) has index j * resolution[0] + i.
 MeshData make_grid(const Grid& grid);
 
+/// Ring k's vertices follow those of ring k - 1, counter-clockwise from the x axis. The triangles are nearly
+/// equilateral.
+MeshData make_disc(const Disc& disc);
+
+/// The cloth's mesh, disc or grid.
+MeshData rest_shape(const ClothDesc& cloth);
+
 /// Refuses what is no cloth: no triangle, an index out of range, a triangle with a repeated corner or
 /// (nearly) no area, the same three corners twice, an edge of more than two triangles, a non-finite
 /// coordinate, a vertex of no triangle. Throws SceneError under `key`, naming the triangle or vertex (counted

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "sim/air.h"
 #include "sim/bending.h"
 #include "sim/gravity.h"
+#include "sim/isotropic.h"
 #include "sim/membrane.h"
 #include "sim/mesh.h"
+#include "sim/seam.h"
+#include "sim/woven.h"
 
 namespace cloth {
 namespace {
@@ -19,44 +23,205 @@ std::array<double, 2> membrane_moduli(const Fabric& f) {
     return {E / (2.0 * (1.0 + nu)), E * nu / (1.0 - nu * nu)};
 }
 
-MeshData rest_shape(const ClothDesc& cloth) {
-    return cloth.mesh ? *cloth.mesh : make_grid(cloth.grid);
+Mat3 stiffness(const Fabric& f) {
+    if (f.mu) {
+        const double scale = 2.0 * *f.mu + *f.lambda;
+        Mat3 C;
+        C << scale, *f.lambda, 0.0, *f.lambda, scale, 0.0, 0.0, 0.0, *f.mu;
+        return C;
+    }
+    return woven_stiffness(f.young_modulus, f.young_weft.value_or(f.young_modulus), f.poisson_ratio,
+                           f.shear_modulus.value_or(f.young_modulus / (2.0 * (1.0 + f.poisson_ratio))));
 }
 
-std::unique_ptr<MembraneEnergy> make_membrane(const Model& model) {
-    std::vector<std::array<int, 3>> stencils;
-    std::vector<TriangleRest> rest;
+/// Triangles of one kind of element and their constants.
+template <class Rest>
+struct ElementList {
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<Rest> rest;
+};
+
+/// body(fabric, cloth, triangle) for each triangle of each cloth.
+template <class Body>
+void for_each_triangle(const Model& model, const Body& body) {
     for (std::size_t c = 0; c < model.cloths.size(); ++c) {
-        const Fabric& fabric = model.scene.cloths[c].fabric;
-        const auto [mu, lambda] = membrane_moduli(fabric);
+        const ClothDesc& cloth = model.scene.cloths[c];
         const ClothRange& range = model.cloths[c];
         for (int t = range.first_triangle; t < range.first_triangle + range.triangle_count; ++t) {
-            const std::array<int, 3> v{model.triangles(t, 0), model.triangles(t, 1), model.triangles(t, 2)};
-            stencils.push_back(v);
-            rest.push_back(make_triangle_rest(model.rest_positions.row(v[0]), model.rest_positions.row(v[1]),
-                                              model.rest_positions.row(v[2]), fabric.thickness, mu, lambda));
+            body(cloth.fabric, cloth, t);
         }
     }
-    return std::make_unique<MembraneEnergy>(std::move(stencils), std::move(rest));
 }
 
-/// Null where no cloth resists bending.
-std::unique_ptr<BendingEnergy> make_bending(const Model& model) {
+std::array<int, 3> corners(const Model& model, int t) {
+    return {model.triangles(t, 0), model.triangles(t, 1), model.triangles(t, 2)};
+}
+
+WovenRest woven_rest(const Model& model, const ClothDesc& cloth, int t, const Mat3& C) {
+    const auto v = corners(model, t);
+    return make_woven_rest(model.rest_positions.row(v[0]), model.rest_positions.row(v[1]),
+                           model.rest_positions.row(v[2]), cloth.warp, cloth.fabric.thickness, C);
+}
+
+std::vector<TriangleRest> make_triangle_rests(const Model& model) {
+    std::vector<TriangleRest> rest;
+    for_each_triangle(model, [&](const Fabric& fabric, const ClothDesc&, int t) {
+        const auto v = corners(model, t);
+        const auto [mu, lambda] = membrane_moduli(fabric);
+        rest.push_back(make_triangle_rest(model.rest_positions.row(v[0]), model.rest_positions.row(v[1]),
+                                          model.rest_positions.row(v[2]), fabric.thickness, mu, lambda));
+    });
+    return rest;
+}
+
+void add_membranes(Model& model) {
+    ElementList<TriangleRest> corotational, neo_hookean, limited;
+    ElementList<WovenRest> woven;
+    std::vector<NeoHookean> rubber;
+    std::vector<StrainLimit> limits;
+    for_each_triangle(model, [&](const Fabric& fabric, const ClothDesc& cloth, int t) {
+        const TriangleRest& rest = model.triangle_rest[t];
+        switch (fabric.membrane) {
+            case MembraneKind::corotational:
+                corotational.triangles.push_back(corners(model, t));
+                corotational.rest.push_back(rest);
+                break;
+            case MembraneKind::neo_hookean:
+                neo_hookean.triangles.push_back(corners(model, t));
+                neo_hookean.rest.push_back(rest);
+                rubber.push_back({rest.mu, rest.lambda});
+                break;
+            case MembraneKind::st_venant_kirchhoff:
+                woven.triangles.push_back(corners(model, t));
+                woven.rest.push_back(woven_rest(model, cloth, t, stiffness(fabric)));
+                break;
+        }
+        if (fabric.strain_limit) {
+            limited.triangles.push_back(corners(model, t));
+            limited.rest.push_back(rest);
+            limits.push_back({stiffness(fabric).diagonal().head<2>().maxCoeff(), *fabric.strain_limit});
+        }
+    });
+    if (!corotational.rest.empty()) {
+        model.energies.push_back(
+            std::make_unique<MembraneEnergy>(corotational.triangles, std::move(corotational.rest)));
+    }
+    if (!neo_hookean.rest.empty()) {
+        model.energies.push_back(std::make_unique<IsotropicEnergy<NeoHookean>>(
+            "membrane", neo_hookean.triangles, std::move(neo_hookean.rest), std::move(rubber)));
+    }
+    if (!woven.rest.empty()) {
+        model.energies.push_back(std::make_unique<WovenEnergy>(woven.triangles, std::move(woven.rest)));
+    }
+    if (!limited.rest.empty()) {
+        model.energies.push_back(std::make_unique<IsotropicEnergy<StrainLimit>>(
+            "strain limit", limited.triangles, std::move(limited.rest), std::move(limits)));
+    }
+}
+
+/// Bending patches of the cloths that `wanted` names, with a rigidity each.
+struct Plates {
     std::vector<BendingPatch> patches;
-    std::vector<double> rigidity;
+    std::vector<Mat3> rigidity;
+    std::vector<double> yield_curvature;
+};
+
+template <class Wanted>
+Plates make_plates(const Model& model, const Wanted& wanted) {
+    Plates plates;
     for (std::size_t c = 0; c < model.cloths.size(); ++c) {
-        const double D = model.scene.cloths[c].fabric.bending;
-        if (D == 0.0) continue;
+        const ClothDesc& cloth = model.scene.cloths[c];
+        const Fabric& fabric = cloth.fabric;
+        const Mat3 D = bending_rigidity(fabric.bending, fabric.bending_weft.value_or(fabric.bending),
+                                        fabric.bending_bias);
+        if (!wanted(fabric) || D.isZero(0.0)) continue;
         const ClothRange& range = model.cloths[c];
-        for (const BendingPatch& patch :
-             make_bending_patches(model.rest_positions,
-                                  model.triangles.middleRows(range.first_triangle, range.triangle_count))) {
-            patches.push_back(patch);
-            rigidity.push_back(D);
+        for (const BendingPatch& patch : make_bending_patches(
+                 model.rest_positions, model.triangles.middleRows(range.first_triangle, range.triangle_count),
+                 cloth.warp)) {
+            plates.patches.push_back(patch);
+            plates.rigidity.push_back(D);
+            plates.yield_curvature.push_back(fabric.yield_curvature.value_or(0.0));
         }
     }
+    return plates;
+}
+
+Plates make_hinged_plates(const Model& model) {
+    return make_plates(model, [](const Fabric& f) { return f.bending_model == BendingKind::hinges; });
+}
+
+void add_bending(Model& model) {
+    const Plates plates =
+        make_plates(model, [](const Fabric& f) { return f.bending_model == BendingKind::quadratic; });
+    if (plates.patches.empty()) return;
+    model.energies.push_back(std::make_unique<BendingEnergy>(plates.patches, plates.rigidity));
+}
+
+/// Null where no cloth is damped.
+std::unique_ptr<StageEnergy> make_membrane_viscosity(const Model& model) {
+    ElementList<WovenRest> list;
+    for_each_triangle(model, [&](const Fabric& fabric, const ClothDesc& cloth, int t) {
+        if (fabric.membrane_damping == 0.0) return;
+        list.triangles.push_back(corners(model, t));
+        list.rest.push_back(woven_rest(model, cloth, t, fabric.membrane_damping * stiffness(fabric)));
+    });
+    if (list.rest.empty()) return nullptr;
+    return std::make_unique<MembraneViscosity>(list.triangles, std::move(list.rest));
+}
+
+std::unique_ptr<StageEnergy> make_bending_viscosity(const Model& model) {
+    std::vector<BendingPatch> patches;
+    std::vector<Mat3> viscosity;
+    for (std::size_t c = 0; c < model.cloths.size(); ++c) {
+        const double damping = model.scene.cloths[c].fabric.bending_damping;
+        if (damping == 0.0) continue;
+        const Fabric* fabric = &model.scene.cloths[c].fabric;
+        const Plates plates = make_plates(model, [&](const Fabric& f) { return &f == fabric; });
+        patches.insert(patches.end(), plates.patches.begin(), plates.patches.end());
+        for (const Mat3& D : plates.rigidity) viscosity.push_back(damping * D);
+    }
     if (patches.empty()) return nullptr;
-    return std::make_unique<BendingEnergy>(patches, rigidity);
+    return std::make_unique<BendingViscosity>(patches, viscosity);
+}
+
+std::vector<SeamSpring> make_seam_springs(const Model& model) {
+    std::vector<SeamSpring> springs;
+    for (std::size_t i = 0; i < model.scene.seams.size(); ++i) {
+        const SeamDesc& seam = model.scene.seams[i];
+        std::array<std::vector<int>, 2> vertices;
+        std::array<Points, 2> start;
+        for (int side = 0; side < 2; ++side) {
+            const int c = seam.sides[side].cloth;
+            const ClothDesc& cloth = model.scene.cloths[c];
+            MeshData rest;
+            rest.positions =
+                model.rest_positions.middleRows(model.cloths[c].first_vertex, model.cloths[c].vertex_count);
+            start[side] = start_positions(cloth, rest);
+            vertices[side] =
+                select_vertices(seam.sides[side], start[side],
+                                "seam[" + std::to_string(i) + "]." + (side == 0 ? "first" : "second"),
+                                cloth.mesh || cloth.disc ? nullptr : &cloth.grid);
+        }
+        if (vertices[0].size() != vertices[1].size()) {
+            throw SceneError("seam[" + std::to_string(i) + "]",
+                             "sews " + std::to_string(vertices[0].size()) + " vertices to " +
+                                 std::to_string(vertices[1].size()) + "; both sides need as many");
+        }
+        if (seam.reverse) std::reverse(vertices[1].begin(), vertices[1].end());
+        for (std::size_t k = 0; k < vertices[0].size(); ++k) {
+            const int a = model.cloths[seam.sides[0].cloth].first_vertex + vertices[0][k];
+            const int b = model.cloths[seam.sides[1].cloth].first_vertex + vertices[1][k];
+            if (a == b) {
+                throw SceneError("seam[" + std::to_string(i) + "]",
+                                 "sews vertex " + std::to_string(vertices[0][k]) + " to itself");
+            }
+            springs.push_back({a, b, seam.stiffness,
+                               (start[0].row(vertices[0][k]) - start[1].row(vertices[1][k])).norm(),
+                               seam.begin, seam.close_time});
+        }
+    }
+    return springs;
 }
 
 /// Consistent mass over the pattern, and the row sums (shape n) that gravity acts on.
@@ -89,7 +254,7 @@ std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
         const Points start = start_positions(cloth, meshes[pin.cloth]);
         PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
         for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]",
-                                     cloth.mesh ? nullptr : &cloth.grid)) {
+                                     cloth.mesh || cloth.disc ? nullptr : &cloth.grid)) {
             group.vertices.push_back(model.cloths[pin.cloth].first_vertex + v);
             group.start.push_back(start.row(v));
             group.center += group.start.back();
@@ -102,8 +267,20 @@ std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
 
 }  // namespace
 
-std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model&) {
-    return {};
+std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model& model) {
+    std::vector<std::unique_ptr<StageEnergy>> energies;
+    Plates hinged = make_hinged_plates(model);
+    if (!hinged.patches.empty()) {
+        energies.push_back(std::make_unique<HingeEnergy>(hinged.patches, hinged.rigidity,
+                                                         std::move(hinged.yield_curvature)));
+    }
+    if (!model.scene.seams.empty())
+        energies.push_back(std::make_unique<SeamEnergy>(make_seam_springs(model)));
+    if (auto viscosity = make_membrane_viscosity(model)) energies.push_back(std::move(viscosity));
+    if (auto viscosity = make_bending_viscosity(model)) energies.push_back(std::move(viscosity));
+    const AirDesc& air = model.scene.simulation.air;
+    if (air.drag > 0.0) energies.push_back(std::make_unique<AirEnergy>(model.triangles, air));
+    return energies;
 }
 
 std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
@@ -139,7 +316,7 @@ std::vector<int> select_vertices(const VertexSelection& selection, const Points&
             if (sign * start(v, axis) >= extreme - selection.tolerance) selected.push_back(v);
         }
     } else if (selection.edge) {
-        if (!grid) throw SceneError(key + ".edge", "names a grid's edge; this cloth is a mesh");
+        if (!grid) throw SceneError(key + ".edge", "names a grid's edge; this cloth is no grid");
         const auto [nx, ny] = grid->resolution;
         const std::string& edge = *selection.edge;
         for (int v = 0; v < n; ++v) {
@@ -193,13 +370,13 @@ Model build_model(const Scene& scene) {
     model.pin_groups = make_pin_groups(scene, model, meshes);
     for (const Pin& pin : pins_of_step(model.pin_groups, 0.0, 0.0)) model.pinned.push_back(pin.vertex);
 
-    auto membrane = make_membrane(model);
-    model.membrane = membrane.get();
-    model.energies.push_back(std::move(membrane));
-    if (auto bending = make_bending(model)) model.energies.push_back(std::move(bending));
+    model.triangle_rest = make_triangle_rests(model);
+    add_membranes(model);
+    add_bending(model);
 
     std::vector<std::array<int, 2>> pairs;
     for (const auto& energy : model.energies) energy->append_pairs(pairs);
+    for (const auto& energy : make_stage_energies(model)) energy->append_pairs(pairs);
     model.pattern = BlockPattern(vertices, std::move(pairs));
     const VecX lumped = assemble_mass(model);
     model.weight = lumped.norm() * scene.simulation.gravity.norm();
@@ -227,6 +404,10 @@ State start_state(const Model& model) {
     state.integrator = model.scene.simulation.integrator;
     for (const ColliderDesc& collider : model.scene.colliders) state.collider_on.push_back(collider.enabled);
     state.drags.resize(model.scene.drags.size());
+    const Plates hinged = make_hinged_plates(model);
+    for (double yield : hinged.yield_curvature) {
+        if (yield > 0.0) state.rest_folds = HingeEnergy::rest_folds(hinged.patches);
+    }
     return state;
 }
 

@@ -7,14 +7,13 @@
 
 #include "sim/block_matrix.h"
 #include "sim/energy.h"
+#include "sim/membrane.h"
 #include "sim/pins.h"
 #include "sim/scene.h"
 #include "sim/state.h"
 #include "sim/types.h"
 
 namespace cloth {
-
-class MembraneEnergy;
 
 /// A cloth's share of the common vertex and triangle lists.
 struct ClothRange {
@@ -34,8 +33,8 @@ struct Model {
     BlockPattern pattern;     ///< of mass and Hessians
     ScalarBlockMatrix mass;   ///< consistent mass [kg]
     double weight = 0.0;      ///< |gravity force| over all vertices, for the scale of residuals [N]
-    std::vector<std::unique_ptr<Energy>> energies;  ///< the sum that the step minimises, drags apart
-    const MembraneEnergy* membrane = nullptr;       ///< among `energies`
+    std::vector<std::unique_ptr<Energy>> energies;  ///< the sum that a step minimises
+    std::vector<TriangleRest> triangle_rest;        ///< for stretches
     double time_step = 0.0;                         ///< [s]
     int steps_per_frame = 1;
 

@@ -133,15 +133,21 @@ void validate_integrators(const Scene& scene) {
 }
 
 void validate_cloth(const ClothDesc& c, std::size_t i) {
-    if (!c.mesh) {
+    require(!(c.mesh && c.disc), item("cloth", i, "mesh"), "stands beside radius; give one rest shape");
+    if (c.disc) {
+        require_positive(c.disc->radius, item("cloth", i, "radius"), "m");
+        require(c.disc->rings >= 1 && c.disc->rings <= 1000, item("cloth", i, "rings"),
+                "is " + std::to_string(c.disc->rings) + "; must be 1 … 1000");
+    } else if (!c.mesh) {
         for (int a = 0; a < 2; ++a) require_positive(c.grid.size(a), item("cloth", i, "size"), "m");
         for (int r : c.grid.resolution) {
             require(r >= 2 && r <= 4096, item("cloth", i, "resolution"),
                     "is " + std::to_string(r) + "; must be 2 … 4096 vertices");
         }
     }
-    const Eigen::Index vertices =
-        c.mesh ? c.mesh->positions.rows() : Eigen::Index{c.grid.resolution[0]} * c.grid.resolution[1];
+    const Eigen::Index vertices = c.mesh   ? c.mesh->positions.rows()
+                                  : c.disc ? 1 + 3 * Eigen::Index{c.disc->rings} * (c.disc->rings + 1)
+                                           : Eigen::Index{c.grid.resolution[0]} * c.grid.resolution[1];
     if (c.pose) {
         require(c.pose->rows() == vertices, item("cloth", i, "pose"),
                 "has " + std::to_string(c.pose->rows()) + " vertices; the rest shape has " +

@@ -75,6 +75,13 @@ struct Grid {
     Diagonals diagonals = Diagonals::uniform;
 };
 
+/// A flat disc in the plane z = 0, centred at the origin, normal +z: a vertex in the middle and rings of 6,
+/// 12, 18 … vertices around it.
+struct Disc {
+    double radius = 0.15;  ///< [m]
+    int rings = 20;
+};
+
 /// Vertices and triangles as a file gave them; their order is kept.
 struct MeshData {
     Points positions;     ///< shape (n, 3) [m]
@@ -91,7 +98,8 @@ struct Transform {
 /// One sheet: a rest shape and, apart from it, a start pose and velocity.
 struct ClothDesc {
     std::string name = "cloth";
-    Grid grid;                     ///< rest shape, unless `mesh` is given
+    Grid grid;                     ///< rest shape, unless `disc` or `mesh` is given
+    std::optional<Disc> disc;      ///< rest shape
     std::optional<MeshData> mesh;  ///< rest shape; may be curved
     std::optional<Points>
         pose;             ///< start positions before `transform`, shape (n, 3) [m]; default: rest shape

@@ -41,7 +41,8 @@ void Simulation::restore(const State& state) {
     if (state.positions.size() != 3 * model.vertex_count() ||
         state.velocities.size() != state.positions.size() ||
         state.collider_on.size() != model.scene.colliders.size() ||
-        state.drags.size() != model.scene.drags.size()) {
+        state.drags.size() != model.scene.drags.size() ||
+        state.rest_folds.size() != start_state(model).rest_folds.size()) {
         throw std::invalid_argument("the state does not belong to this scene: it has " +
                                     std::to_string(state.positions.size() / 3) + " vertices, the scene " +
                                     std::to_string(model.vertex_count()));

@@ -26,7 +26,8 @@ struct State {
     IntegratorKind integrator = IntegratorKind::linearly_implicit_euler;
     std::vector<std::uint8_t> collider_on;  ///< one per collider
     std::vector<DragState> drags;           ///< one per drag
-    std::uint32_t events_done = 0;          ///< events applied so far, in order of time
+    VecX rest_folds;  ///< of creased hinges (bending.h), shape (3 patches); empty where none can crease
+    std::uint32_t events_done = 0;  ///< events applied so far, in order of time
 };
 
 /// Index of the first vertex with a NaN or infinite position or velocity, or -1.

@@ -1,0 +1,15 @@
+#pragma once
+// The table of fabrics as text.
+
+#include <string>
+
+namespace cloth::pipeline {
+
+/// One line per fabric with its values, below each other with units above.
+std::string fabric_table();
+
+/// Every number of every fabric, or of the one named, with its source. Throws Error(usage) for an unknown
+/// name.
+std::string fabric_sources(const std::string& name = "");
+
+}  // namespace cloth::pipeline

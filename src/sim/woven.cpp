@@ -1,0 +1,148 @@
+#include "sim/woven.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace cloth {
+namespace {
+
+using Mat32 = Eigen::Matrix<double, 3, 2>;
+
+Mat32 deformation(const WovenRest& rest, const Vec9& q9) {
+    // Differences first: a sheet far from the origin loses no digits.
+    const Mat3 q = q9.reshaped(3, 3);
+    return (q.col(1) - q.col(0)) * rest.b.row(1) + (q.col(2) - q.col(0)) * rest.b.row(2);
+}
+
+Vec3 strain(const Mat32& G) {
+    return {0.5 * (G.col(0).squaredNorm() - 1.0), 0.5 * (G.col(1).squaredNorm() - 1.0),
+            G.col(0).dot(G.col(1))};
+}
+
+/// Positive part of the symmetric matrix [a c; c b], as (a, b, c).
+Vec3 positive_part(const Vec3& s) {
+    const double mean = 0.5 * (s(0) + s(1)), half = 0.5 * (s(0) - s(1));
+    const double radius = std::sqrt(half * half + s(2) * s(2));
+    const double e0 = std::max(mean + radius, 0.0), e1 = std::max(mean - radius, 0.0);
+    const double scale = radius > 0.0 ? 0.5 * (e0 - e1) / radius : 0.0;
+    return {0.5 * (e0 + e1) + scale * half, 0.5 * (e0 + e1) - scale * half, scale * s(2)};
+}
+
+}  // namespace
+
+Mat3 woven_stiffness(double young_warp, double young_weft, double poisson, double shear) {
+    const double r = young_weft / young_warp, scale = young_warp / (1.0 - poisson * poisson * r);
+    Mat3 C;
+    C << scale, poisson * r * scale, 0.0, poisson * r * scale, r * scale, 0.0, 0.0, 0.0, shear;
+    return C;
+}
+
+WovenRest make_woven_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, const Vec3& warp, double thickness,
+                          const Mat3& C) {
+    WovenRest rest;
+    const Vec3 e1 = X1 - X0, e2 = X2 - X0;
+    const Vec3 area_normal = e1.cross(e2), normal = area_normal.normalized();
+    Vec3 t0 = warp - normal * normal.dot(warp);
+    if (!(t0.norm() > 1e-6 * warp.norm())) t0 = e1;
+    t0.normalize();
+    const Vec3 t1 = normal.cross(t0);
+    Mat2 Dm;
+    Dm << t0.dot(e1), t0.dot(e2), t1.dot(e1), t1.dot(e2);
+    rest.b.bottomRows<2>() = Dm.inverse();
+    rest.b.row(0) = -rest.b.row(1) - rest.b.row(2);
+    rest.volume = 0.5 * area_normal.norm() * thickness;
+    rest.C = C;
+    return rest;
+}
+
+Vec3 green_strain(const WovenRest& rest, const Vec9& q9) {
+    return strain(deformation(rest, q9));
+}
+
+double woven_energy(const WovenRest& rest, const Vec3& from, const Vec9& q9) {
+    const Vec3 e = green_strain(rest, q9) - from;
+    return 0.5 * rest.volume * e.dot(rest.C * e);
+}
+
+Vec9 woven_gradient(const WovenRest& rest, const Vec3& from, const Vec9& q9) {
+    const Mat32 G = deformation(rest, q9);
+    const Vec3 s = rest.C * (strain(G) - from);
+    Mat2 S;
+    S << s(0), s(2), s(2), s(1);
+    Vec9 gradient;
+    gradient.reshaped(3, 3).noalias() = rest.volume * (G * (S * rest.b.transpose()));
+    return gradient;
+}
+
+Mat9 woven_hessian(const WovenRest& rest, const Vec3& from, const Vec9& q9, bool project) {
+    const Mat32 G = deformation(rest, q9);
+    Vec3 s = rest.C * (strain(G) - from);
+    if (project) s = positive_part(s);
+    Mat2 S;
+    S << s(0), s(2), s(2), s(1);
+    const Mat3 bSb = rest.b * S * rest.b.transpose();
+    std::array<Mat3, 3> B;  // rows: derivatives of e by the corner
+    for (int i = 0; i < 3; ++i) {
+        B[i].row(0) = rest.b(i, 0) * G.col(0).transpose();
+        B[i].row(1) = rest.b(i, 1) * G.col(1).transpose();
+        B[i].row(2) = (rest.b(i, 0) * G.col(1) + rest.b(i, 1) * G.col(0)).transpose();
+    }
+    Mat9 H;
+    for (int j = 0; j < 3; ++j) {
+        const Mat3 CB = rest.C * B[j];
+        for (int i = 0; i <= j; ++i) {
+            Mat3 block = B[i].transpose() * CB;
+            block.diagonal().array() += bSb(i, j);
+            H.block<3, 3>(3 * i, 3 * j) = rest.volume * block;
+            if (i != j) H.block<3, 3>(3 * j, 3 * i) = H.block<3, 3>(3 * i, 3 * j).transpose();
+        }
+    }
+    return H;
+}
+
+WovenEnergy::WovenEnergy(std::vector<std::array<int, 3>> triangles, std::vector<WovenRest> rest)
+    : elements_(std::move(triangles)), rest_(std::move(rest)) {}
+
+double WovenEnergy::value(const VecX& x) const {
+    return elements_.sum([&](int t) { return woven_energy(rest_[t], Vec3::Zero(), elements_.gather(x, t)); });
+}
+
+void WovenEnergy::add_gradient(const VecX& x, VecX& g) const {
+    elements_.add_gradient(
+        g, [&](int t) { return woven_gradient(rest_[t], Vec3::Zero(), elements_.gather(x, t)); });
+}
+
+void WovenEnergy::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
+    elements_.add_hessian(H, [&](int t) {
+        return woven_hessian(rest_[t], Vec3::Zero(), elements_.gather(x, t), kind != HessianKind::exact);
+    });
+}
+
+MembraneViscosity::MembraneViscosity(std::vector<std::array<int, 3>> triangles, std::vector<WovenRest> rest)
+    : elements_(std::move(triangles)), rest_(std::move(rest)), base_(rest_.size(), Vec3::Zero()) {}
+
+void MembraneViscosity::begin(const Stage& stage) {
+    h_ = stage.h;
+    parallel_for(elements_.count(),
+                 [&](int t) { base_[t] = green_strain(rest_[t], elements_.gather(stage.base, t)); });
+}
+
+double MembraneViscosity::value(const VecX& x) const {
+    return elements_.sum([&](int t) { return woven_energy(rest_[t], base_[t], elements_.gather(x, t)); }) /
+           h_;
+}
+
+void MembraneViscosity::add_gradient(const VecX& x, VecX& g) const {
+    elements_.add_gradient(
+        g, [&](int t) -> Vec9 { return woven_gradient(rest_[t], base_[t], elements_.gather(x, t)) / h_; });
+}
+
+void MembraneViscosity::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
+    elements_.add_hessian(H, [&](int t) -> Mat9 {
+        return woven_hessian(rest_[t], base_[t], elements_.gather(x, t), kind != HessianKind::exact) / h_;
+    });
+}
+
+}  // namespace cloth
