@@ -26,6 +26,7 @@
 #include "pipeline/state_store.h"
 #include "pipeline/video.h"
 #include "render/rasterizer.h"
+#include "sim/colliders.h"
 
 namespace {
 
