@@ -21,12 +21,18 @@
 
 #include "pipeline/error.h"
 #include "pipeline/fabric_list.h"
+#include "pipeline/file_io.h"
 #include "pipeline/golden.h"
 #include "pipeline/run.h"
 #include "pipeline/state_store.h"
 #include "pipeline/video.h"
 #include "render/rasterizer.h"
+<<<<<<< HEAD
 #include "sim/colliders.h"
+=======
+#include "sim/fabrics.h"
+#include "validation/validation.h"
+>>>>>>> 3610db849d877b7f137be8cf5eeb537a7ef3feae
 
 namespace {
 
@@ -38,9 +44,10 @@ namespace fs = std::filesystem;
 
 /// As typed; the values are read below, so that each is refused in the same words wherever it is given.
 struct Arguments {
-    std::string scene, frames, out, size, fps, threads, frame, format, file, golden, what, name;
+    std::string scene, frames, out, size, fps, threads, frame, format, file, golden, what, name, gamma,
+        resolution, fabric, plots;
     std::vector<std::string> set;
-    bool quiet = false, no_video = false, version = false, sources = false;
+    bool quiet = false, no_video = false, version = false, sources = false, markdown = false;
 };
 
 [[noreturn]] void refuse(const std::string& line) {
@@ -345,6 +352,80 @@ ExitCode list(const Arguments& args) {
     return ExitCode::good;
 }
 
+/// The checks that the arguments ask for, and their parameters.
+std::vector<validation::Check> wanted_checks(const Arguments& args, validation::Parameters& parameters) {
+    std::vector<validation::Check> wanted;
+    std::string known;
+    for (const validation::Check& check : validation::checks()) {
+        known += (known.empty() ? "" : ", ") + check.name;
+        if (args.name.empty() || args.name == check.name) wanted.push_back(check);
+    }
+    if (wanted.empty()) refuse(fmt::format("validate {}: unknown check; known: {}", args.name, known));
+    const auto belongs = [&](const char* parameter) {
+        if (args.name.empty())
+            refuse(
+                fmt::format("--{0}: give the check that it belongs to, as in render_cloth "
+                            "validate CHECK --{0} …",
+                            parameter));
+        const auto& has = wanted.front().parameters;
+        if (std::find(has.begin(), has.end(), parameter) == has.end()) {
+            refuse(fmt::format("validate {}: has no --{}", args.name, parameter));
+        }
+    };
+    if (!args.gamma.empty()) {
+        belongs("gamma");
+        parameters.gamma = number<double>(args.gamma);
+        if (!parameters.gamma || !(*parameters.gamma >= 1e-3 && *parameters.gamma <= 1e5))
+            refuse(fmt::format("--gamma {}: give a number, 0.001 … 100000", args.gamma));
+    }
+    if (!args.resolution.empty()) {
+        belongs("resolution");
+        parameters.resolution = number<int>(args.resolution);
+        if (!parameters.resolution || *parameters.resolution < 4 || *parameters.resolution > 2000)
+            refuse(fmt::format("--resolution {}: give a whole number, 4 … 2000", args.resolution));
+    }
+    if (!args.fabric.empty()) {
+        belongs("fabric");
+        if (!find_fabric(args.fabric))
+            refuse(fmt::format("--fabric {}: unknown; render_cloth list fabrics names them", args.fabric));
+        parameters.fabric = args.fabric;
+    }
+    return wanted;
+}
+
+ExitCode validate_physics(const Arguments& args) {
+    validation::Parameters parameters;
+    const auto wanted = wanted_checks(args, parameters);
+    const fs::path plots = args.plots.empty() ? fs::path("out") / "validation" : fs::path(args.plots);
+    int bad = 0, plots_written = 0;
+    fmt::print("{}", validation::table_head(args.markdown));
+    for (const validation::Check& check : wanted) {
+        if (!args.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r{} …\033[K", check.name);
+        validation::Outcome outcome;
+        try {
+            outcome = check.run(parameters);
+        } catch (const std::exception& e) {
+            throw Error(ExitCode::not_converged, fmt::format("validate {}: {}", check.name, e.what()));
+        }
+        if (!args.quiet && isatty(STDERR_FILENO)) fmt::print(stderr, "\r\033[K");
+        for (const validation::Finding& finding : outcome.findings) {
+            fmt::print("{}", validation::table_line(finding, args.markdown));
+            bad += !finding.good();
+        }
+        std::fflush(stdout);
+        for (const validation::Plot& plot : outcome.plots) {
+            fs::create_directories(plots);
+            write_file(plots / (plot.name + ".svg"), validation::to_svg(plot));
+            ++plots_written;
+        }
+    }
+    if (plots_written > 0 && !args.markdown) fmt::print("plots: {}\n", plots.string());
+    if (bad > 0)
+        throw Error(ExitCode::other,
+                    fmt::format("validate: {} outside of tolerance", plural(bad, "finding")));
+    return ExitCode::good;
+}
+
 ExitCode version() {
     const auto attempt = [](auto&& ask) -> std::string {
         try {
@@ -406,6 +487,16 @@ ExitCode dispatch(int argc, char** argv) {
     list_verb->add_option("what", args.what, "scenes (the default) or fabrics")->type_name("scenes|fabrics");
     list_verb->add_option("name", args.name, "One fabric with the sources of its values")->type_name("NAME");
     list_verb->add_flag("--sources", args.sources, "Fabrics with the sources of all values");
+    CLI::App* validate_verb = verb("validate", "Check the physics against theory: a table and plots");
+    validate_verb->add_option("check", args.name, "One check; all of them without")->type_name("CHECK");
+    validate_verb->add_option("--gamma", args.gamma, "cantilever: this load alone")->type_name("G");
+    validate_verb->add_option("--resolution", args.resolution, "Elements along the longest side")
+        ->type_name("N");
+    validate_verb->add_option("--fabric", args.fabric, "drape: this fabric alone")->type_name("NAME");
+    validate_verb->add_option("--plots", args.plots, "Folder for plots (default: out/validation)")
+        ->type_name("DIR");
+    validate_verb->add_flag("--markdown", args.markdown, "The table in Markdown");
+    validate_verb->add_flag("--quiet", args.quiet, "No progress");
     for (CLI::App* each : {run_verb, simulate_verb}) {
         add_run_flags(*each, args);
         add_common_flags(*each, args);
@@ -445,7 +536,7 @@ ExitCode dispatch(int argc, char** argv) {
             refuse("unknown option " + extra.front() + "; see render_cloth --help");
         if (app.get_subcommands().empty())
             refuse("unknown verb \"" + extra.front() +
-                   "\"; known: run, simulate, render, encode, export, compare, bless, list");
+                   "\"; known: run, simulate, render, encode, export, compare, bless, list, validate");
         refuse("unexpected argument \"" + extra.front() + "\"; see render_cloth --help");
     }
     for (const char* name : {"compare", "bless"})
@@ -454,6 +545,7 @@ ExitCode dispatch(int argc, char** argv) {
 
     if (args.version) return version();
     if (*list_verb) return list(args);
+    if (*validate_verb) return validate_physics(args);
     if (*render_verb) return render(args);
     if (*encode_verb) return encode(args);
     if (*export_verb) return export_mesh(args);

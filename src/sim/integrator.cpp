@@ -182,6 +182,7 @@ struct StageProblem {
     VecX force = VecX();     ///< f, shape (3n) [N]; empty: none
 };
 
+<<<<<<< HEAD
 bool minimize_among_barriers(const Model& model, const State& state, const StageProblem& problem, VecX& x,
                              Workspace& w, StepReport& report) {
     const auto& colliders = model.scene.colliders;
@@ -200,6 +201,16 @@ bool minimize_among_barriers(const Model& model, const State& state, const Stage
     report.contacts = std::max(report.contacts, w.contact->contact_count(x));
     report.smallest_gap = std::min(report.smallest_gap, w.contact->smallest_gap(x));
     return true;
+=======
+/// Root of the sum of the squared diagonal blocks' traces.
+double diagonal_norm(const Model& model, const BlockMatrix& A) {
+    double sum = 0.0;
+    for (int i = 0; i < model.vertex_count(); ++i) {
+        const double trace = A.blocks[model.pattern.diagonal(i)].trace();
+        sum += trace * trace;
+    }
+    return std::sqrt(sum);
+>>>>>>> 3610db849d877b7f137be8cf5eeb537a7ef3feae
 }
 
 /// From the allowed positions x to the minimum; false where it is not reached. x is then of no use.
@@ -284,11 +295,12 @@ bool minimize(const Model& model, const State& state, const StageProblem& proble
     bool converged = norm <= options.newton_tolerance * scale;
     for (int k = 0; !converged && k < options.newton_iterations; ++k) {
         if (!factorize_newton_system(model, potential, x, problem.h, norm < 1e-2 * scale, w)) break;
+        // Rounding of the positions alone is worth this much: nothing smaller can be asked for.
+        constexpr double rounding_share = 4e-16;
+        converged = norm <= rounding_share * extent * diagonal_norm(model, w.system) / h2;
+        if (converged) break;
         w.solver.solve(w.rhs, w.direction);
         ++report.iterations;
-        // What no longer moves anything by more than rounding is as converged as can be.
-        converged = w.direction.cwiseAbs().maxCoeff() < 1e-14 * extent;
-        if (converged) break;
 
         const double slope = -w.rhs.dot(w.direction) / h2;
         // Armijo's rule; where the decrease is lost in rounding, a smaller gradient is accepted instead.

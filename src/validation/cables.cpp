@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/integrator.h"
+#include "sim/simulation.h"
 #include "validation/strip.h"
 #include "validation/validation.h"
 

@@ -1,11 +1,32 @@
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "validation/validation.h"
 
 namespace cloth::validation {
 
 bool Finding::good() const {
     return std::isfinite(measured) && std::abs(measured - expected) <= tolerance;
+}
+
+std::string table_head(bool markdown) {
+    if (markdown) {
+        return "| check | quantity | measured | expected | tolerance | unit | source | |\n"
+               "|---|---|--:|--:|--:|---|---|---|\n";
+    }
+    return fmt::format("{:<17} {:<54} {:>12} {:>12} {:>10}  {:<12} {:<5} {}\n", "check", "quantity",
+                       "measured", "expected", "tolerance", "unit", "", "source");
+}
+
+std::string table_line(const Finding& f, bool markdown) {
+    const char* verdict = f.good() ? "good" : "BAD";
+    if (markdown) {
+        return fmt::format("| {} | {} | {:.6g} | {:.6g} | {:.2g} | {} | {} | {} |\n", f.check, f.quantity,
+                           f.measured, f.expected, f.tolerance, f.unit, f.source, verdict);
+    }
+    return fmt::format("{:<17} {:<54} {:>12.6g} {:>12.6g} {:>10.2g}  {:<12} {:<5} {}\n", f.check, f.quantity,
+                       f.measured, f.expected, f.tolerance, f.unit, verdict, f.source);
 }
 
 const std::vector<Check>& checks() {

@@ -43,6 +43,10 @@ struct Check {
     std::function<Outcome(const Parameters&)> run;
 };
 
+/// The table's head, and a line of it, each with its line ends.
+std::string table_head(bool markdown);
+std::string table_line(const Finding& finding, bool markdown);
+
 /// All checks, in the order of the table.
 const std::vector<Check>& checks();
 
