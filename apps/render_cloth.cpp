@@ -27,12 +27,9 @@
 #include "pipeline/state_store.h"
 #include "pipeline/video.h"
 #include "render/rasterizer.h"
-<<<<<<< HEAD
 #include "sim/colliders.h"
-=======
 #include "sim/fabrics.h"
 #include "validation/validation.h"
->>>>>>> 3610db849d877b7f137be8cf5eeb537a7ef3feae
 
 namespace {
 

@@ -182,7 +182,6 @@ struct StageProblem {
     VecX force = VecX();     ///< f, shape (3n) [N]; empty: none
 };
 
-<<<<<<< HEAD
 bool minimize_among_barriers(const Model& model, const State& state, const StageProblem& problem, VecX& x,
                              Workspace& w, StepReport& report) {
     const auto& colliders = model.scene.colliders;
@@ -201,7 +200,8 @@ bool minimize_among_barriers(const Model& model, const State& state, const Stage
     report.contacts = std::max(report.contacts, w.contact->contact_count(x));
     report.smallest_gap = std::min(report.smallest_gap, w.contact->smallest_gap(x));
     return true;
-=======
+}
+
 /// Root of the sum of the squared diagonal blocks' traces.
 double diagonal_norm(const Model& model, const BlockMatrix& A) {
     double sum = 0.0;
@@ -210,7 +210,6 @@ double diagonal_norm(const Model& model, const BlockMatrix& A) {
         sum += trace * trace;
     }
     return std::sqrt(sum);
->>>>>>> 3610db849d877b7f137be8cf5eeb537a7ef3feae
 }
 
 /// From the allowed positions x to the minimum; false where it is not reached. x is then of no use.
