@@ -103,7 +103,8 @@ void check_same(const SceneFile& a, const SceneFile& b) {
     CHECK(s.hessian == t.hessian);
     CHECK(s.contact == t.contact);
     CHECK(same(s.contact_stiffness, t.contact_stiffness));
-    CHECK(same(s.sliding_speed, t.sliding_speed));
+    CHECK(s.sliding_speed == t.sliding_speed);
+    CHECK(same(s.contact_activation, t.contact_activation));
     CHECK(s.newton_iterations == t.newton_iterations);
     CHECK(same(s.newton_tolerance, t.newton_tolerance));
     CHECK(s.retries == t.retries);
