@@ -146,6 +146,11 @@ void check_same(const SceneFile& a, const SceneFile& b) {
         CHECK(same(c.radius, d.radius));
         CHECK(same(c.contact_offset, d.contact_offset));
         CHECK(c.contact_radius == d.contact_radius);
+        CHECK(same(c.height, d.height));
+        CHECK(same_matrix(c.size, d.size));
+        CHECK(same(c.scale, d.scale));
+        CHECK(same_matrix(c.rotate, d.rotate));
+        CHECK(same_matrix(c.spin, d.spin));
         CHECK(same(c.friction, d.friction));
         CHECK(c.enabled == d.enabled);
         CHECK(c.drawn == d.drawn);
