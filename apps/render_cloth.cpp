@@ -27,6 +27,7 @@
 #include "pipeline/state_store.h"
 #include "pipeline/video.h"
 #include "render/rasterizer.h"
+#include "sim/colliders.h"
 #include "sim/fabrics.h"
 #include "validation/validation.h"
 
@@ -561,6 +562,9 @@ int main(int argc, char** argv) {
         return static_cast<int>(dispatch(argc, argv));
     } catch (const Error& e) {
         code = e.code;
+        line = e.what();
+    } catch (const OverlapError& e) {
+        code = ExitCode::start_overlap;
         line = e.what();
     } catch (const SceneError& e) {
         code = ExitCode::invalid_scene;

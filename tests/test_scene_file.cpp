@@ -103,7 +103,8 @@ void check_same(const SceneFile& a, const SceneFile& b) {
     CHECK(s.hessian == t.hessian);
     CHECK(s.contact == t.contact);
     CHECK(same(s.contact_stiffness, t.contact_stiffness));
-    CHECK(same(s.sliding_speed, t.sliding_speed));
+    CHECK(s.sliding_speed == t.sliding_speed);
+    CHECK(same(s.contact_activation, t.contact_activation));
     CHECK(s.newton_iterations == t.newton_iterations);
     CHECK(same(s.newton_tolerance, t.newton_tolerance));
     CHECK(s.retries == t.retries);
@@ -145,6 +146,11 @@ void check_same(const SceneFile& a, const SceneFile& b) {
         CHECK(same(c.radius, d.radius));
         CHECK(same(c.contact_offset, d.contact_offset));
         CHECK(c.contact_radius == d.contact_radius);
+        CHECK(same(c.height, d.height));
+        CHECK(same_matrix(c.size, d.size));
+        CHECK(same(c.scale, d.scale));
+        CHECK(same_matrix(c.rotate, d.rotate));
+        CHECK(same_matrix(c.spin, d.spin));
         CHECK(same(c.friction, d.friction));
         CHECK(c.enabled == d.enabled);
         CHECK(c.drawn == d.drawn);
@@ -758,6 +764,17 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("fabric.mu = 1\n"), "cloth[0].fabric.mu: mu and lambda are given together or not at all"},
         {sheet("fabric = { mu = 1, lambda = 1, young_modulus = 2 }\n"),
          "cloth[0].fabric.young_modulus: stands beside mu and lambda"},
+        {sheet("[[collider]]\nshape = \"box\"\n"), "collider[0].shape: needs contact = \"barrier\""},
+        {sheet("[[collider]]\nspin = [0, 90, 0]\n"), "collider[0].spin: needs contact = \"barrier\""},
+        {sheet("[[collider]]\nmesh = \"a.obj\"\n"), "collider[0].mesh: belongs to shape = \"mesh\""},
+        {sheet("[simulation]\ncontact = \"barrier\"\nintegrator = \"implicit_euler\"\n"
+               "[[collider]]\nshape = \"mesh\"\n"),
+         "collider[0].mesh: is missing"},
+        {sheet("[simulation]\ncontact = \"barrier\"\nintegrator = \"implicit_midpoint\"\n"),
+         "simulation.contact: is \"barrier\", which needs integrator = \"implicit_euler\" or"},
+        {sheet("[simulation]\ncontact_activation = 0\n"),
+         "simulation.contact_activation: is 0; must be greater than 0 m"},
+        {sheet("contact_thickness = 0\n"), "cloth[0].contact_thickness: is 0; must be greater than 0 m"},
         {sheet("[[collider]]\nradius = -1\n"), "collider[0].radius: is -1; must be greater than 0 m"},
         {sheet("[[collider]]\ncontact_radius = 0.3\ncontact_offset = 0.1\n"),
          "collider[0].contact_radius: stands beside contact_offset; give one of the two"},

@@ -4,6 +4,9 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sim/colliders.h"
+#include "sim/mesh.h"
+
 namespace cloth::pipeline {
 
 namespace {
@@ -41,15 +44,20 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(fi
     }
     for (const ColliderDesc& collider : model.scene.colliders) {
         Mesh mesh;
-        if (collider.shape == Shape::sphere) {
+        if (collider.shape == Shape::sphere || collider.shape == Shape::capsule) {
+            // A capsule is a sphere whose halves stand apart along its axis.
+            const bool capsule = collider.shape == Shape::capsule;
+            const auto ends =
+                capsule ? capsule_ends(collider) : std::array<Vec3, 2>{collider.center, collider.center};
+            const Mat3 turn = capsule ? rotation_matrix(collider.rotate) : Mat3(Mat3::Identity());
             // Rings from pole to pole; the poles are rings of coinciding vertices.
             for (int j = 0; j <= sphere_parallels; ++j)
                 for (int i = 0; i < sphere_meridians; ++i) {
                     const double polar = std::numbers::pi * j / sphere_parallels;
                     const double azimuth = 2.0 * std::numbers::pi * i / sphere_meridians;
-                    const Vec3 normal(std::sin(polar) * std::cos(azimuth), std::cos(polar),
-                                      -std::sin(polar) * std::sin(azimuth));
-                    append(mesh.positions, collider.center + collider.radius * normal);
+                    const Vec3 normal = turn * Vec3(std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                                                    -std::sin(polar) * std::sin(azimuth));
+                    append(mesh.positions, ends[2 * j <= sphere_parallels] + collider.radius * normal);
                     append(mesh.normals, normal);
                 }
             for (int j = 0; j < sphere_parallels; ++j)
@@ -60,6 +68,26 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(fi
                     if (j > 0) append_triangle(mesh.triangles, a, c, b);
                     if (j + 1 < sphere_parallels) append_triangle(mesh.triangles, b, c, d);
                 }
+        } else if (collider.shape != Shape::plane) {
+            // Flat shading but for a cylinder's side: corners are not shared.
+            const MeshData surface = collider_surface(collider);
+            const Vec3 axis = rotation_matrix(collider.rotate).col(1);
+            for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+                std::array<Vec3, 3> p;
+                for (int k = 0; k < 3; ++k) p[k] = surface.positions.row(surface.triangles(t, k));
+                const Vec3 flat = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+                for (int k = 0; k < 3; ++k) {
+                    Vec3 normal = flat;
+                    if (collider.shape == Shape::cylinder && std::abs(flat.dot(axis)) < 0.5) {
+                        const Vec3 out = p[k] - collider.center;
+                        normal = (out - axis * axis.dot(out)).normalized();
+                    }
+                    append(mesh.positions, p[k]);
+                    append(mesh.normals, normal);
+                }
+                const int first = static_cast<int>(3 * t);
+                append_triangle(mesh.triangles, first, first + 1, first + 2);
+            }
         } else {
             const Vec3 normal = collider.normal.normalized();
             const Vec3 aside = std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitZ();
@@ -71,6 +99,9 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(fi
             }
             append_triangle(mesh.triangles, 0, 1, 2);
             append_triangle(mesh.triangles, 0, 2, 3);
+        }
+        if (!collider.path.empty() || !collider.spin.isZero(0.0)) {
+            moving_.push_back({static_cast<int>(colliders_.size()), mesh});
         }
         colliders_.push_back(std::move(mesh));
     }
@@ -109,6 +140,20 @@ render::Frame FrameBuilder::build(const State& state) {
         }
         frame.surfaces.push_back(
             {mesh.positions, mesh.normals, mesh.triangles, file_.cloth_looks.at(c).material, true});
+    }
+    for (const auto& [c, start] : moving_) {
+        const Placement placement = placement_at(model_.scene.colliders[c], state.time);
+        Mesh& mesh = colliders_[c];
+        for (std::size_t i = 0; i + 2 < start.positions.size(); i += 3) {
+            const Vec3 p =
+                placement(Vec3(start.positions[i], start.positions[i + 1], start.positions[i + 2]));
+            const Vec3 n =
+                placement.rotation * Vec3(start.normals[i], start.normals[i + 1], start.normals[i + 2]);
+            for (int k = 0; k < 3; ++k) {
+                mesh.positions[i + k] = static_cast<float>(p[k]);
+                mesh.normals[i + k] = static_cast<float>(n[k]);
+            }
+        }
     }
     for (std::size_t c = 0; c < colliders_.size(); ++c) {
         const ColliderDesc& collider = model_.scene.colliders[c];

@@ -27,7 +27,13 @@ class FrameBuilder {
     };
     const SceneFile& file_;
     const Model& model_;
+    /// A collider that moves, as it stands at the start.
+    struct Moving {
+        int collider;
+        Mesh start;
+    };
     std::vector<Mesh> cloths_, colliders_;
+    std::vector<Moving> moving_;
     std::vector<Subdivision> subdivisions_;  ///< one per cloth
 };
 

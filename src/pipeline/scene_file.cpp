@@ -499,11 +499,14 @@ const Names<BendingKind> bending_names{{"quadratic", BendingKind::quadratic},
 const Names<HessianKind> hessian_names{{"assignment", HessianKind::assignment},
                                        {"projected", HessianKind::projected}};
 const Names<ContactKind> contact_names{{"velocity_filter", ContactKind::velocity_filter},
-                                       {"penalty", ContactKind::penalty}};
+                                       {"penalty", ContactKind::penalty},
+                                       {"barrier", ContactKind::barrier}};
 const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform},
                                       {"mirrored", Diagonals::mirrored},
                                       {"alternating", Diagonals::alternating}};
-const Names<Shape> shape_names{{"sphere", Shape::sphere}, {"plane", Shape::plane}};
+const Names<Shape> shape_names{{"sphere", Shape::sphere},     {"plane", Shape::plane},
+                               {"box", Shape::box},           {"capsule", Shape::capsule},
+                               {"cylinder", Shape::cylinder}, {"mesh", Shape::mesh}};
 const Names<Switch> switch_names{{"on", Switch::on}, {"off", Switch::off}, {"toggle", Switch::toggle}};
 
 // ---------------------------------------------------------------- what a file says
@@ -566,6 +569,8 @@ struct ClothEntry {
                    field("velocity", "m/s", "at the start, of the free vertices", desc.velocity),
                    field("bump", "m", "height of a smooth out-of-plane offset of the start pose", desc.bump),
                    field("warp", "", "direction of the warp on the rest shape", desc.warp),
+                   field("contact_thickness", "m", "of contact = \"barrier\": of the sheet as others feel it",
+                         desc.contact_thickness),
                    field("subdivisions", "", "Loop steps that smooth the drawn surface, 0 … 3",
                          subdivisions)} +
                look.fields();
@@ -610,15 +615,26 @@ struct ClothEntry {
 
 struct ColliderEntry {
     ColliderDesc desc;
+    std::optional<std::string> mesh;
     LookEntry look{.color = {Vec3(0.35, 0.42, 0.5)}, .back_color = {}, .roughness = 0.35, .specular = 0.05};
 
     Fields fields() {
         return Fields{
                    field("name", "", "by which events refer to it", desc.name),
                    choice("shape", "of the collider", desc.shape, shape_names),
-                   field("center", "m", "centre of a sphere, a point on a plane", desc.center),
+                   field("center", "m", "where the shape's origin stands; a point on a plane", desc.center),
                    field("normal", "", "of a plane, outward", desc.normal),
-                   field("radius", "m", "of a sphere, as drawn", desc.radius),
+                   field("radius", "m", "of a sphere, capsule or cylinder, as drawn", desc.radius),
+                   field("height", "m", "of a capsule's axis or a cylinder, along y", desc.height),
+                   field("size", "m", "of a box", desc.size),
+                   field("mesh", "file", "of shape = \"mesh\"; open or closed", mesh),
+                   field("scale", "", "of a mesh", desc.scale),
+                   field("rotate", "degree",
+                         "of a box, capsule, cylinder or mesh, about fixed x, then y, then z", desc.rotate),
+                   field("path", "",
+                         "[{ time, translate, rotate }, …] in s, m, degree: moves it; about center",
+                         desc.path),
+                   field("spin", "degree/s", "steady turn about center: axis times rate", desc.spin),
                    field("contact_offset", "m", "contact begins this far outside the drawn surface",
                          desc.contact_offset),
                    field("contact_radius", "m", "of a sphere: contact begins here, instead of contact_offset",
@@ -781,8 +797,11 @@ struct Document {
             choice("hessian", "of linearly_implicit_euler", s.hessian, hessian_names),
             choice("contact", "how cloth meets colliders", s.contact, contact_names),
             field("contact_stiffness", "N/m", "of contact = \"penalty\", per vertex", s.contact_stiffness),
-            field("sliding_speed", "m/s", "of contact = \"penalty\": friction is in full force above it",
+            field("sliding_speed", "m/s",
+                  "friction is in full force above it; default: 1e-3 with penalty, 1e-5 with barrier",
                   s.sliding_speed),
+            field("contact_activation", "m", "of contact = \"barrier\": gap at which repulsion begins",
+                  s.contact_activation),
             field("newton_iterations", "", "most of one solve; of all but linearly_implicit_euler",
                   s.newton_iterations),
             field("newton_tolerance", "", "residual at which a solve stops, against the step's start",
@@ -1273,7 +1292,17 @@ void resolve_selection(Reader& reader, const std::string& key, const SelectionEn
 
 void resolve_references(Reader& reader, Document& d) {
     require_distinct_names(reader, "collider", d.colliders);
-    for (const ColliderEntry& c : d.colliders) d.scene.colliders.push_back(c.desc);
+    for (std::size_t i = 0; i < d.colliders.size(); ++i) {
+        ColliderEntry& c = d.colliders[i];
+        if (c.mesh) {
+            const std::string key = entry("collider", i) + ".mesh";
+            if (c.desc.shape != Shape::mesh) reader.fail(key, "belongs to shape = \"mesh\"");
+            const fs::path path = reader.find_file(*c.mesh);
+            c.mesh = path.string();
+            c.desc.mesh = load(reader, key, path, read_mesh);
+        }
+        d.scene.colliders.push_back(c.desc);
+    }
     for (std::size_t i = 0; i < d.pins.size(); ++i) {
         PinEntry& p = d.pins[i];
         resolve_selection(reader, entry("pin", i), p.selection, d.cloths, p.desc, p.desc.cloth);

@@ -4,64 +4,16 @@
 #include <cmath>
 #include <optional>
 
+#include "sim/colliders.h"
 #include "sim/contact.h"
 #include "sim/drag.h"
 #include "sim/membrane.h"
+#include "sim/potential.h"
 #include "sim/simulation.h"
 #include "sim/velocity_filter.h"
 
 namespace cloth {
 namespace {
-
-/// The sum of the model's energies and of those of a step, each with its weight.
-class Potential {
-  public:
-    struct Term {
-        const Energy* energy;
-        double weight = 1.0;
-    };
-    Potential(const Model& model, const std::vector<Term>& of_this_step) {
-        for (const auto& energy : model.energies) terms_.push_back({energy.get()});
-        terms_.insert(terms_.end(), of_this_step.begin(), of_this_step.end());
-    }
-    double value(const VecX& x) const {
-        double sum = 0.0;
-        for (const Term& term : terms_) sum += term.weight * term.energy->value(x);
-        return sum;
-    }
-    void gradient(const VecX& x, VecX& g) const {
-        g.setZero(x.size());
-        for (const Term& term : terms_) {
-            if (term.weight == 1.0) {
-                term.energy->add_gradient(x, g);
-            } else {
-                VecX part = VecX::Zero(x.size());
-                term.energy->add_gradient(x, part);
-                g += term.weight * part;
-            }
-        }
-    }
-    void hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
-        for (const Term& term : terms_) {
-            if (term.weight == 1.0) {
-                term.energy->add_hessian(x, kind, H);
-            } else {
-                BlockMatrix part;
-                part.blocks.assign(H.blocks.size(), Mat3::Zero());
-                term.energy->add_hessian(x, kind, part);
-                for (std::size_t s = 0; s < H.blocks.size(); ++s) H.blocks[s] += term.weight * part.blocks[s];
-            }
-        }
-    }
-    double largest_share(const VecX& x, const VecX& d) const {
-        double share = 1.0;
-        for (const Term& term : terms_) share = std::min(share, term.energy->largest_share(x, d));
-        return share;
-    }
-
-  private:
-    std::vector<Term> terms_;
-};
 
 /// Terms that are made anew for each stage, and the potential that they are part of.
 struct StagePotential {
@@ -83,7 +35,8 @@ struct StagePotential {
         const SimulationDesc& options = model.scene.simulation;
         if (options.contact != ContactKind::penalty) return std::nullopt;
         return ColliderContactEnergy(model.scene.colliders, state.collider_on, start,
-                                     options.contact_stiffness, stage.h, options.sliding_speed);
+                                     options.contact_stiffness, stage.h,
+                                     options.sliding_speed.value_or(1e-3));
     }
     std::vector<Potential::Term> bind(const Model& model, const Stage& stage, Workspace& w,
                                       double dissipation) {
@@ -198,9 +151,31 @@ struct StageProblem {
     const Potential& potential;
     const std::vector<Pin>& pins;
     double h;
-    VecX y;               ///< shape (3n) [m]
-    VecX force = VecX();  ///< f, shape (3n) [N]; empty: none
+    VecX y;                  ///< shape (3n) [m]
+    double from, to;         ///< time where x starts and where it ends [s]
+    const VecX& slide_from;  ///< positions that friction counts its way from, shape (3n) [m]
+    VecX force = VecX();     ///< f, shape (3n) [N]; empty: none
 };
+
+bool minimize_among_barriers(const Model& model, const State& state, const StageProblem& problem, VecX& x,
+                             Workspace& w, StepReport& report) {
+    const auto& colliders = model.scene.colliders;
+    w.contact->begin(x, problem.slide_from, problem.h, placements_at(colliders, problem.from),
+                     placements_at(colliders, problem.to), state.collider_on);
+    const ContactSolveReport solve = minimize_with_contact(
+        {model, problem.potential, *w.contact, problem.pins, problem.h, problem.y, problem.force}, w.solver,
+        x, w.contact_work);
+    report.iterations += solve.newton_iterations;
+    report.placements += solve.placements;
+    report.cg_iterations += solve.cg_iterations;
+    report.factorizations += solve.factorizations;
+    report.residual = std::max(report.residual, solve.residual);
+    if (solve.worst_vertex >= 0) report.worst_vertex = solve.worst_vertex;
+    if (!solve.converged) return false;
+    report.contacts = std::max(report.contacts, w.contact->contact_count(x));
+    report.smallest_gap = std::min(report.smallest_gap, w.contact->smallest_gap(x));
+    return true;
+}
 
 /// Root of the sum of the squared diagonal blocks' traces.
 double diagonal_norm(const Model& model, const BlockMatrix& A) {
@@ -213,7 +188,9 @@ double diagonal_norm(const Model& model, const BlockMatrix& A) {
 }
 
 /// From the allowed positions x to the minimum; false where it is not reached. x is then of no use.
-bool minimize(const Model& model, const StageProblem& problem, VecX& x, Workspace& w, StepReport& report) {
+bool minimize(const Model& model, const State& state, const StageProblem& problem, VecX& x, Workspace& w,
+              StepReport& report) {
+    if (w.contact) return minimize_among_barriers(model, state, problem, x, w, report);
     const SimulationDesc& options = model.scene.simulation;
     const Potential& potential = problem.potential;
     const double h2 = problem.h * problem.h;
@@ -359,8 +336,10 @@ bool step_implicit_euler(const Model& model, State& state, double dt, const std:
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
     VecX x = state.positions;
-    if (!minimize(model, {terms.potential, pins, dt, state.positions + dt * state.velocities}, x, w,
-                  report)) {
+    if (!minimize(model, state,
+                  {terms.potential, pins, dt, state.positions + dt * state.velocities, state.time, stage.time,
+                   state.positions},
+                  x, w, report)) {
         return false;
     }
     state.velocities = (x - state.positions) / dt;
@@ -382,7 +361,10 @@ bool step_implicit_midpoint(const Model& model, State& state, double dt, const s
         pin.position = 0.5 * (pin.position + Vec3(state.positions.segment<3>(3 * pin.vertex)));
     }
     VecX x = state.positions;
-    if (!minimize(model, {terms.potential, half, h, state.positions + h * state.velocities}, x, w, report)) {
+    if (!minimize(model, state,
+                  {terms.potential, half, h, state.positions + h * state.velocities, state.time, stage.time,
+                   state.positions},
+                  x, w, report)) {
         return false;
     }
     VecX velocities = 2.0 / h * (x - state.positions) - state.velocities;
@@ -411,6 +393,11 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
         const Stage stage{{{1.0, before}}, h, state.time, state};
         const StagePotential terms(model, state, stage, before, w, 0.0);
         terms.potential.gradient(q, force);
+        if (w.contact) {
+            const auto there = placements_at(model.scene.colliders, state.time);
+            w.contact->begin(q, before, h, there, there, state.collider_on);
+            w.contact->add_gradient(q, force);
+        }
         force *= -1.0;
         zero_pinned(pins, force);
     }
@@ -424,7 +411,11 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
             const Vec3 from = q.segment<3>(3 * pin.vertex);
             if (pin.position != from) pin.position = from + gamma * (pin.position - from);
         }
-        if (!minimize(model, {terms.potential, part, h, q + 2.0 * h * v, force}, x, w, report)) return false;
+        if (!minimize(model, state,
+                      {terms.potential, part, h, q + 2.0 * h * v, state.time, stage.time, q, force}, x, w,
+                      report)) {
+            return false;
+        }
         v_gamma = (x - q) / h - v;
         for (const Pin& pin : pins) v_gamma.segment<3>(3 * pin.vertex) = v.segment<3>(3 * pin.vertex);
     }
@@ -434,7 +425,11 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
     const StagePotential terms(model, state, stage, x_gamma, w);
     const VecX base = stage.base();
     VecX y = base + h * (c1 * v_gamma - c0 * v);
-    if (!minimize(model, {terms.potential, pins, h, std::move(y)}, x, w, report)) return false;
+    if (!minimize(model, state,
+                  {terms.potential, pins, h, std::move(y), state.time + gamma * dt, stage.time, x_gamma}, x,
+                  w, report)) {
+        return false;
+    }
     state.velocities = (x - base) / h;
     for (const Pin& pin : pins) {
         state.velocities.segment<3>(3 * pin.vertex) = (pin.position - q.segment<3>(3 * pin.vertex)) / dt;
@@ -463,8 +458,12 @@ bool step_by(const Model& model, State& state, double dt, int halvings, Workspac
         return false;
     }();
     report.iterations += attempt.iterations;
+    report.placements += attempt.placements;
+    report.cg_iterations += attempt.cg_iterations;
+    report.factorizations += attempt.factorizations;
     report.contacts = std::max(report.contacts, attempt.contacts);
     if (converged) {
+        report.smallest_gap = std::min(report.smallest_gap, attempt.smallest_gap);
         report.residual = std::max(report.residual, attempt.residual);
         state.time += dt;
         return true;
@@ -503,6 +502,10 @@ Workspace::Workspace(const Model& model)
     : pinned(model.pinned), solver(model.pattern, model.pinned), stage_energies(make_stage_energies(model)) {
     for (BlockMatrix* matrix : {&system, &exact_system, &blended_system}) matrix->reset(model.pattern);
     for (const auto& energy : stage_energies) energy->bind(model.pattern);
+    if (model.scene.simulation.contact == ContactKind::barrier) {
+        contact.emplace(make_contact_system(model));
+        contact->bind(model.pattern);
+    }
 }
 
 double kinetic_energy(const Model& model, const State& state) {
@@ -519,7 +522,8 @@ double stored_energy(const Model& model, const State& state,
     const SimulationDesc& options = model.scene.simulation;
     if (options.contact == ContactKind::penalty) {
         energy += ColliderContactEnergy(model.scene.colliders, state.collider_on, state.positions,
-                                        options.contact_stiffness, model.time_step, options.sliding_speed)
+                                        options.contact_stiffness, model.time_step,
+                                        options.sliding_speed.value_or(1e-3))
                       .value(state.positions);
     }
     for (const auto& term : stage_energies) {
@@ -539,6 +543,13 @@ double total_energy(const Model& model, const State& state) {
 StepReport advance(const Model& model, State& state, Workspace& w) {
     apply_events(model, state);
     update_drags(model.scene.drags, state.time, state.positions, model.triangles, state.drags);
+
+    if (w.contact && w.checked != state.collider_on) {
+        const auto there = placements_at(model.scene.colliders, state.time);
+        w.contact->begin(state.positions, state.positions, model.time_step, there, there, state.collider_on);
+        require_no_overlap(model, *w.contact, state.positions);
+        w.checked = state.collider_on;
+    }
 
     StepReport report;
     report.energy_before = stored_energy(model, state, w.stage_energies);
