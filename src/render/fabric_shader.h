@@ -63,6 +63,15 @@ vec4 weave_relief(vec2 at, vec2 extent) {
 #endif
 )";
 
+/// Leaves only the pixels that see a surface to the depth test of the next pass.
+inline constexpr const char* covered_fragment = R"(
+uniform usampler2D numbers;
+uniform vec2 texel;              // a pixel's width and height in the samples' texture
+void main() {
+    if (all(equal(textureGather(numbers, gl_FragCoord.xy * texel), uvec4(0u)))) discard;
+}
+)";
+
 /// Writes the colour of what is seen as sRGB, and its share of the pixel.
 inline constexpr const char* surface_fragment = R"(
 uniform usampler2D numbers;      // of the triangles, 2x2 samples a pixel
@@ -80,7 +89,7 @@ uniform vec3 eye;
 uniform vec3 ray_corner;         // ray of pixel p: ray_corner + p.x ray_x + p.y ray_y, of distance 1
 uniform vec3 ray_x;
 uniform vec3 ray_y;
-uniform vec2 first_pixel;        // of the samples' texture
+uniform vec2 texel;              // a pixel's width and height in the samples' texture
 uniform float near;              // [m]
 uniform vec3 light_direction;
 uniform vec3 light_radiance;     // reflected by a white, facing, diffuse plane
@@ -247,7 +256,7 @@ vec3 shade(Seen s, vec2 place) {
 void main() {
     // The four samples of a pixel, as a gather orders them
     const vec4 left_right = vec4(-0.25, 0.25, 0.25, -0.25), down_up = vec4(0.25, 0.25, -0.25, -0.25);
-    vec2 gathered = (gl_FragCoord.xy - first_pixel) / (0.5 * vec2(textureSize(numbers, 0)));
+    vec2 gathered = gl_FragCoord.xy * texel;
     uvec4 number = textureGather(numbers, gathered);
     vec4 waiting = vec4(notEqual(number, uvec4(0u)));
     float coverage = 0.25 * dot(waiting, vec4(1.0));

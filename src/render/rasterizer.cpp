@@ -111,11 +111,12 @@ struct Rasterizer::Impl {
     Program ground_light_program{gl,
                                  {shaders::depth_vertex},
                                  {shaders::shadow, shaders::ground_point, shaders::ground_light_fragment}};
+    Program covered_program{gl, {shaders::screen_vertex}, {shaders::covered_fragment}};
     std::map<Features, std::unique_ptr<Program>> surface_programs;
     Target shadow_map{context, 0, GL_DEPTH_COMPONENT32F};
     Target samples{context, GL_R32UI, GL_DEPTH_COMPONENT32F};
     Target ground_light{context, GL_RGBA8, 0};
-    Target shaded{context, GL_RGBA8, 0};
+    Target shaded{context, GL_RGBA8, GL_DEPTH_COMPONENT16};
     ListBuffer vertices{context, GL_RGBA32UI}, corners{context, GL_RGBA32UI};
     ListBuffer materials{context, GL_RGBA32F}, colors{context, GL_RGBA32F};
     ListBuffer indices{context, 0}, floor{context, 0};
@@ -417,21 +418,30 @@ void Rasterizer::Impl::draw_ground_light(const Shot& shot) {
 void Rasterizer::Impl::shade(const Shot& shot, const Features& features) {
     const View& view = shot.view;
     shaded.bind(view.width, view.height);
-    gl.Disable(GL_DEPTH_TEST);
     gl.ClearColor(0, 0, 0, 0);
-    gl.Clear(GL_COLOR_BUFFER_BIT);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (shot.box.width <= 0 || shot.box.height <= 0) return;
     gl.Enable(GL_SCISSOR_TEST);
     gl.Scissor(shot.box.x, shot.box.y, shot.box.width, shot.box.height);
-    Program& p = surface_program(features);
-    p.use();
     bind_texture(0, samples.color(), 0);
-    p.set("numbers", 0);
+    gl.BindVertexArray(floor_array);
+    const auto set_numbers = [&](Program& program) {
+        program.use();
+        program.set("numbers", 0);
+        program.set("texel", 1 / static_cast<float>(view.width), 1 / static_cast<float>(view.height));
+    };
+    // llvmpipe goes once through a loop's body even where no pixel of a block wants it, but not where all
+    // fail the depth test.
+    set_numbers(covered_program);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    gl.DepthFunc(GL_EQUAL);
+    Program& p = surface_program(features);
+    set_numbers(p);
     bind_texture(1, samples.depth(), 0);
     p.set("depths", 1);
     set_shadow(p, shot, 2);
     set_rays(p, shot, 1);
-    p.set("first_pixel", 0.0f, 0.0f);
     for (int i = 0; i < features.images; ++i)
         p.set(("images[" + std::to_string(i) + "]").c_str(), image_unit + i);
     int unit = image_unit + most_images;
@@ -456,9 +466,9 @@ void Rasterizer::Impl::shade(const Shot& shot, const Features& features) {
     p.set("settled_taps", settled_taps);
     // A comparison is of up to four texels around a tap.
     p.set("normal_offset", 1.5f * s.texel);
-    gl.BindVertexArray(floor_array);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
     gl.Disable(GL_SCISSOR_TEST);
+    gl.DepthFunc(GL_LEQUAL);
 }
 
 void Rasterizer::Impl::read_back(int width, int height, std::vector<std::uint8_t>& into) {
