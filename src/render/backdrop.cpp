@@ -61,6 +61,10 @@ Backdrop::Backdrop(const View& view, const Camera& camera, const Ground* ground,
         for (int k = 0; k < 3; ++k)
             open_[i][k] =
                 view.background[k] + static_cast<float>(i) / open_steps * (floor[k] - view.background[k]);
+    for (const Float4& c : open_) {
+        Float4& shown = open_shown_.emplace_back();
+        for (int k = 0; k < 3; ++k) shown[k] = encode(std::clamp(c[k], 0.0f, 1.0f));
+    }
 }
 
 /// How much of the floor is seen along a ray, against the background: 1 at the disc's middle.
@@ -71,12 +75,12 @@ float Backdrop::floor_share(const Float3& ray) const {
     return ray[1] < -1e-6f ? share * share : 0;
 }
 
-Backdrop::Float4 Backdrop::behind(float share) const {
+Backdrop::Float4 Backdrop::behind(const std::vector<Float4>& colors, float share) {
     const float place = open_steps * share;
     const int i = static_cast<int>(place);
     const float part = place - static_cast<float>(i);
     Float4 c{};
-    for (int k = 0; k < 4; ++k) c[k] = open_[i][k] + part * (open_[i + 1][k] - open_[i][k]);
+    for (int k = 0; k < 4; ++k) c[k] = colors[i][k] + part * (colors[i + 1][k] - colors[i][k]);
     return c;
 }
 
@@ -129,8 +133,19 @@ void Backdrop::compose(std::span<const std::uint8_t> shaded, const GroundLight& 
                 const int order = (diagonal & 1) << 3 | (y & 1) << 2 | (diagonal & 2) | (y & 2) >> 1;
                 dither = (static_cast<float>(order) - 7.5f) / 16;
                 float key = 255, sky = 255;
-                if (light.width > 0) {
-                    const int x0 = std::max((x - 1) / 2, 0), x1 = std::min(x0 + 1, light.width - 1);
+                const int x0 = std::max((x - 1) / 2, 0), x1 = std::min(x0 + 1, std::max(light.width - 1, 0));
+                const auto in_light = [](const std::uint8_t* p) { return (p[0] & p[1]) == 255; };
+                const bool open_floor =
+                    light.width == 0 || (in_light(low + 4 * x0) && in_light(low + 4 * x1) &&
+                                         in_light(high + 4 * x0) && in_light(high + 4 * x1));
+                if (open_floor && from[3] == 0) {  // most of the picture
+                    const Float4 shown = behind(open_shown_, shares[x]);
+                    for (int k = 0; k < 3; ++k)
+                        to[k] = static_cast<std::uint8_t>(std::clamp(shown[k] + dither + 0.5f, 0.0f, 255.0f));
+                    to[3] = 255;
+                    continue;
+                }
+                if (!open_floor) {
                     const float part_x = x == 0 ? 0 : x % 2 == 0 ? 0.75f : 0.25f;
                     const auto at = [&](int channel) {
                         const float a = low[4 * x0 + channel], b = low[4 * x1 + channel];
@@ -141,8 +156,8 @@ void Backdrop::compose(std::span<const std::uint8_t> shaded, const GroundLight& 
                     key = at(0);
                     sky = at(1);
                 }
-                color =
-                    key == 255 && sky == 255 ? behind(shares[x]) : shadowed(shares[x], key / 255, sky / 255);
+                color = key == 255 && sky == 255 ? behind(open_, shares[x])
+                                                 : shadowed(shares[x], key / 255, sky / 255);
             }
             const float covered = static_cast<float>(from[3]) / 255, open = 1 - covered;
             for (int k = 0; k < 3; ++k) {

@@ -38,7 +38,7 @@ class Backdrop {
   private:
     using Float4 = std::array<float, 4>;
     float floor_share(const Float3& ray) const;
-    Float4 behind(float share) const;
+    static Float4 behind(const std::vector<Float4>& colors, float share);
     Float4 shadowed(float share, float key, float sky) const;
 
     const View& view_;
@@ -47,7 +47,7 @@ class Backdrop {
     float depth_below_ = 0, fade_ = 0;  // the floor under the eye [m]; 1 / radius² of its disc
     std::array<float, 2> center_{};     // of the disc from the eye, x z [m]
     Float3 lit_, ambient_;
-    std::vector<Float4> open_;  // linear colour over the floor's share in the open
+    std::vector<Float4> open_, open_shown_;  // linear, and sRGB, over the floor's share in the open
 };
 
 }  // namespace cloth::render
