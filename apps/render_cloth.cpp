@@ -42,7 +42,7 @@ namespace fs = std::filesystem;
 /// As typed; the values are read below, so that each is refused in the same words wherever it is given.
 struct Arguments {
     std::string scene, frames, out, size, fps, threads, frame, format, file, golden, what, name, gamma,
-        resolution, fabric, plots;
+        resolution, fabric, plots, gl = "auto";
     std::vector<std::string> set;
     bool quiet = false, no_video = false, version = false, sources = false, markdown = false;
 };
@@ -165,6 +165,13 @@ class ProgressLine {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), shown_ = start_;
 };
 
+render::GlLibrary gl_library(const std::string& text) {
+    if (text == "auto") return render::GlLibrary::automatic;
+    if (text == "osmesa") return render::GlLibrary::osmesa;
+    if (text == "egl") return render::GlLibrary::egl;
+    refuse(fmt::format("--gl {}: give egl, osmesa or auto", text));
+}
+
 // ---------------------------------------------------------------- verbs
 
 /// The flags as --set lines, behind those that the user gave: a flag is the more deliberate of the two.
@@ -257,6 +264,7 @@ ExitCode with_progress(const Arguments& args, bool pictures, const fs::path& out
         options.pictures = pictures;
         options.movie = pictures && !args.no_video;
         options.threads = thread_count(args.threads);
+        options.gl = gl_library(args.gl);
         options.stop = &stop_wanted;
         if (!args.quiet) options.progress = [&](const Progress& progress) { line.show(progress); };
         summary = work(options);
@@ -266,6 +274,7 @@ ExitCode with_progress(const Arguments& args, bool pictures, const fs::path& out
 
 ExitCode run(const Arguments& args, bool pictures) {
     thread_count(args.threads);
+    gl_library(args.gl);
     const SceneFile file = scene_for(args);
     const fs::path out = output_folder(args, file);
     return with_progress(args, pictures, out,
@@ -308,8 +317,8 @@ fs::path golden_folder(const Arguments& args, const SceneFile& file) {
 ExitCode compare(const Arguments& args) {
     const int threads = thread_count(args.threads);
     const SceneFile file = scene_for(args);
-    const GoldenResult result =
-        compare_golden(file, golden_folder(args, file), output_folder(args, file), threads);
+    const GoldenResult result = compare_golden(file, golden_folder(args, file), output_folder(args, file),
+                                               threads, gl_library(args.gl));
     fmt::print("{}report: {}\n", golden_table(result), result.report.string());
     if (!result.passed)
         throw Error(
@@ -323,7 +332,8 @@ ExitCode bless(const Arguments& args) {
     const int threads = thread_count(args.threads);
     const SceneFile file = scene_for(args);
     const fs::path golden = golden_folder(args, file);
-    const GoldenResult result = bless_golden(file, golden, output_folder(args, file), threads);
+    const GoldenResult result =
+        bless_golden(file, golden, output_folder(args, file), threads, gl_library(args.gl));
     if (result.rows.empty())
         fmt::print("{}: nothing to compare with\n", file.name);
     else
@@ -423,7 +433,7 @@ ExitCode validate_physics(const Arguments& args) {
     return ExitCode::good;
 }
 
-ExitCode version() {
+ExitCode version(const Arguments& args) {
     const auto attempt = [](auto&& ask) -> std::string {
         try {
             return ask();
@@ -437,7 +447,8 @@ ExitCode version() {
 #else
                "g++ " __VERSION__,
 #endif
-               build_fingerprint(), attempt([] { return render::Rasterizer(1).description(); }),
+               build_fingerprint(),
+               attempt([&] { return render::Rasterizer(1, gl_library(args.gl)).description(); }),
                attempt(ffmpeg_version));
     return ExitCode::good;
 }
@@ -458,6 +469,8 @@ void add_common_flags(CLI::App& app, Arguments& args) {
         ->allow_extra_args(false);
     app.add_option("--threads", args.threads, "Threads (default: all cores); the result is the same for any")
         ->type_name("N");
+    app.add_option("--gl", args.gl, "Library that draws (default: auto, OSMesa where it is there)")
+        ->type_name("egl|osmesa|auto");
     app.add_flag("--quiet", args.quiet, "No progress");
     app.add_flag("--no-video", args.no_video, "Pictures only, no MP4");
 }
@@ -516,6 +529,8 @@ ExitCode dispatch(int argc, char** argv) {
         each->add_option("--out", args.out, "Folder of the report (default: out/NAME)")->type_name("DIR");
         each->add_option("--threads", args.threads, "Threads (default: all cores)")->type_name("N");
     }
+    for (CLI::App* each : {compare_verb, bless_verb})
+        each->add_option("--gl", args.gl, "Library that draws (default: auto)")->type_name("egl|osmesa|auto");
     compare_verb->add_option("--set", args.set, "Override a key of the scene; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
@@ -540,7 +555,7 @@ ExitCode dispatch(int argc, char** argv) {
         if (app.got_subcommand(name) && args.scene.empty())
             refuse(fmt::format("{}: the scene is missing, as in render_cloth {} drape_sphere", name, name));
 
-    if (args.version) return version();
+    if (args.version) return version(args);
     if (*list_verb) return list(args);
     if (*validate_verb) return validate_physics(args);
     if (*render_verb) return render(args);

@@ -376,7 +376,7 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
     FrameBuilder builder(file, model);
     std::optional<render::Rasterizer> rasterizer;
     if (options.pictures) {
-        rasterizer.emplace(options.threads);
+        rasterizer.emplace(options.threads, options.gl);
         summary.renderer = rasterizer->description();
         summary.width = file.view.width;
         summary.height = file.view.height;
@@ -561,7 +561,7 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
     RunSummary summary = summary_of(run, static_cast<std::int64_t>(frames.size()));
     const std::int64_t run_frames = run.folder.read_manifest().frames;
     if (options.movie) summary.encoder = ffmpeg_version();
-    render::Rasterizer rasterizer(options.threads);
+    render::Rasterizer rasterizer(options.threads, options.gl);
     summary.renderer = rasterizer.description();
     RunFolder::create(out);
     FrameBuilder builder(run.file, run.model);

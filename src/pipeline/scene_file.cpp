@@ -15,6 +15,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/mesh_file.h"
+#include "render/image.h"
 #include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
@@ -507,6 +508,11 @@ const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform},
 const Names<Shape> shape_names{{"sphere", Shape::sphere},     {"plane", Shape::plane},
                                {"box", Shape::box},           {"capsule", Shape::capsule},
                                {"cylinder", Shape::cylinder}, {"mesh", Shape::mesh}};
+const Names<render::Pattern> pattern_names{{"plain", render::Pattern::plain},
+                                           {"stripes", render::Pattern::stripes},
+                                           {"checks", render::Pattern::checks},
+                                           {"tartan", render::Pattern::tartan},
+                                           {"dots", render::Pattern::dots}};
 const Names<Switch> switch_names{{"on", Switch::on}, {"off", Switch::off}, {"toggle", Switch::toggle}};
 
 // ---------------------------------------------------------------- what a file says
@@ -549,7 +555,28 @@ struct ClothEntry {
     std::optional<std::string> mesh, pose;
     LookEntry look{.color = {Vec3(0.72, 0.16, 0.14)}, .back_color = {}, .sheen = 0.35};
     int subdivisions = 1;
+    std::optional<render::Pattern> pattern;
+    double pattern_scale = 0.2, weave = 0.0, weave_depth = 0.5, hem = 0.002;
+    std::vector<Color> pattern_colors{
+        {Vec3(0.93, 0.91, 0.86)}, {Vec3(0.10, 0.14, 0.26)}, {Vec3(0.85, 0.68, 0.25)}};
+    std::optional<std::string> texture;
+    std::shared_ptr<const render::Image> image;
 
+    Look cloth_look() const {
+        Look all = look.look();
+        render::Material& m = all.material;
+        m.pattern = image ? render::Pattern::image : pattern.value_or(render::Pattern::plain);
+        m.pattern_scale = static_cast<float>(pattern_scale);
+        for (std::size_t i = 0; i < m.pattern_colors.size(); ++i)
+            m.pattern_colors[i] = pattern_colors[std::min(i, pattern_colors.size() - 1)].linear();
+        m.pattern_on_back = !look.back_color;
+        m.image = image;
+        m.weave = static_cast<float>(weave);
+        m.weave_depth = static_cast<float>(weave_depth);
+        all.subdivisions = subdivisions;
+        all.hem = hem;
+        return all;
+    }
     Fields fields() {
         return Fields{
                    field("name", "", "by which pins refer to it", desc.name),
@@ -571,8 +598,15 @@ struct ClothEntry {
                    field("warp", "", "direction of the warp on the rest shape", desc.warp),
                    field("contact_thickness", "m", "of contact = \"barrier\": of the sheet as others feel it",
                          desc.contact_thickness),
-                   field("subdivisions", "", "Loop steps that smooth the drawn surface, 0 … 3",
-                         subdivisions)} +
+                   field("subdivisions", "", "Loop steps that smooth the drawn surface, 0 … 3", subdivisions),
+                   choice("pattern", "on rest coordinates; on the back too, unless that has a colour",
+                          pattern, pattern_names),
+                   field("pattern_scale", "m", "width of one repeat of pattern or texture", pattern_scale),
+                   field("pattern_colors", "sRGB", "one to three, beside color", pattern_colors),
+                   field("texture", "file", "PNG on rest coordinates, instead of a pattern", texture),
+                   field("weave", "m", "spacing of the threads; 0: smooth", weave),
+                   field("weave_depth", "", "slope of the threads' flanks, 0 … 2", weave_depth),
+                   field("hem", "m", "thickness of the rim as drawn; 0: none", hem)} +
                look.fields();
     }
     Fields fabric_fields() {
@@ -724,20 +758,23 @@ struct CameraEntry {
 struct LightEntry {
     Vec3 direction;
     Color color{Vec3(1.0, 0.985, 0.96)};
-    double intensity, softness;
+    double intensity, softness, angle;
     bool shadow;
     LightEntry() {
         const render::Light light;
         direction = Vec3(light.direction[0], light.direction[1], light.direction[2]);
         intensity = light.intensity;
         softness = std::round(1e6 * light.softness) / 1e6;
+        angle = std::round(1e6 * light.angle) / 1e6;
         shadow = light.shadow;
     }
     Fields fields() {
         return {field("direction", "", "from the scene towards the light", direction),
                 field("color", "sRGB", "of the light", color),
                 field("intensity", "", "irradiance of a facing plane", intensity),
-                field("softness", "m", "half the width of a shadow's edge", softness),
+                field("softness", "m", "least half-width of a shadow's edge", softness),
+                field("angle", "degree",
+                      "across the light, as seen from the scene; shadows soften with distance", angle),
                 field("shadow", "", "whether it casts shadows", shadow)};
     }
 };
@@ -1269,6 +1306,21 @@ void resolve_cloths(Reader& reader, Document& d) {
             c.pose = path.string();
             c.desc.pose = load(reader, key + ".pose", path, read_points);
         }
+        if (c.texture) {
+            if (c.pattern)
+                reader.fail(key + ".pattern",
+                            "stands beside texture, which takes its place; give one or the other");
+            const fs::path path = reader.find_file(*c.texture);
+            c.texture = path.string();
+            try {
+                c.image = std::make_shared<const render::Image>(render::read_png(path));
+            } catch (const std::runtime_error& error) {
+                reader.fail(key + ".texture", error.what());
+            }
+        }
+        if (c.pattern_colors.empty() || c.pattern_colors.size() > 3)
+            reader.fail(key + ".pattern_colors",
+                        fmt::format("has {} entries; must be one to three colours", c.pattern_colors.size()));
         d.scene.cloths.push_back(c.desc);
     }
 }
@@ -1357,6 +1409,11 @@ void check_looks(Reader& reader, Document& d) {
     for (std::size_t i = 0; i < d.cloths.size(); ++i) {
         check(entry("cloth", i), d.cloths[i].look);
         check_range(reader, entry("cloth", i) + ".subdivisions", d.cloths[i].subdivisions, 0, 3, "");
+        check_range(reader, entry("cloth", i) + ".pattern_scale", d.cloths[i].pattern_scale, 1e-4, 1000.0,
+                    "m");
+        check_range(reader, entry("cloth", i) + ".weave", d.cloths[i].weave, 0.0, 1.0, "m");
+        check_range(reader, entry("cloth", i) + ".weave_depth", d.cloths[i].weave_depth, 0.0, 2.0, "");
+        check_range(reader, entry("cloth", i) + ".hem", d.cloths[i].hem, 0.0, 0.1, "m");
     }
     for (std::size_t i = 0; i < d.colliders.size(); ++i) check(entry("collider", i), d.colliders[i].look);
     const Vec3 gaze = d.camera.target - d.camera.position;
@@ -1370,6 +1427,7 @@ void check_looks(Reader& reader, Document& d) {
         reader.fail("light[0].direction", "is zero; must point towards the light");
     check_range(reader, "light[0].intensity", d.light.intensity, 0.0, 1e6, "");
     check_range(reader, "light[0].softness", d.light.softness, 0.0, 1.0, "m");
+    check_range(reader, "light[0].angle", d.light.angle, 0.0, 45.0, "degree");
     check_range(reader, "background.exposure", d.background.exposure, 1e-6, 1e6, "");
     check_range(reader, "output.quality", d.output.quality, 0, 51, "");
     check_range(reader, "output.frames", d.output.frames, 1, 10'000'000, "frames");
@@ -1535,6 +1593,7 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     file.view.light.color = d.light.color.linear();
     file.view.light.intensity = static_cast<float>(d.light.intensity);
     file.view.light.softness = static_cast<float>(d.light.softness);
+    file.view.light.angle = static_cast<float>(d.light.angle);
     file.view.light.shadow = d.light.shadow;
     file.view.background = d.background.color.linear();
     file.view.sky = d.background.sky.linear();
@@ -1542,10 +1601,7 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     file.view.ambient_occlusion = d.background.ambient_occlusion;
     if (d.ground)
         file.ground = render::Ground{static_cast<float>(d.ground->height), d.ground->color.linear()};
-    for (const ClothEntry& c : d.cloths) {
-        file.cloth_looks.push_back(c.look.look());
-        file.cloth_looks.back().subdivisions = c.subdivisions;
-    }
+    for (const ClothEntry& c : d.cloths) file.cloth_looks.push_back(c.cloth_look());
     for (const ColliderEntry& c : d.colliders) file.collider_looks.push_back(c.look.look());
     file.resolved = write_document(d);
     return file;
