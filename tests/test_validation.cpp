@@ -62,7 +62,7 @@ TEST_CASE("momentum, energy and order in time are those of the schemes", "[valid
 }
 
 TEST_CASE("cotton drapes as measured, and stiffer cloth drapes less", "[validation]") {
-    require_good(check_drape({.resolution = 14, .fabric = "cotton"}));
+    require_good(check_drape({.resolution = 20, .fabric = "cotton"}));
     cloth::Fabric stiff;
     stiff.density = 0.15;
     stiff.thickness = 1.0;
