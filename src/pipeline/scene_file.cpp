@@ -675,7 +675,8 @@ struct ColliderEntry {
                          desc.contact_radius),
                    field("friction", "", "Coulomb coefficient", desc.friction),
                    field("enabled", "", "whether it is on at the start", desc.enabled),
-                   field("drawn", "", "whether pictures show it (while it is on)", desc.drawn)} +
+                   field("drawn", "", "whether pictures show it (while it is on)", desc.drawn),
+                   field("touchable", "", "whether cloth feels it; false: only drawn", desc.touchable)} +
                look.fields();
     }
 };

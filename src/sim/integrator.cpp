@@ -15,6 +15,15 @@
 namespace cloth {
 namespace {
 
+/// Colliders that are on and that cloth feels.
+std::vector<std::uint8_t> touched_colliders(const Model& model, const State& state) {
+    std::vector<std::uint8_t> touched = state.collider_on;
+    for (std::size_t c = 0; c < touched.size(); ++c) {
+        if (!model.scene.colliders[c].touchable) touched[c] = 0;
+    }
+    return touched;
+}
+
 /// Terms that are made anew for each stage, and the potential that they are part of.
 struct StagePotential {
     DragEnergy drags;
@@ -34,7 +43,7 @@ struct StagePotential {
                                                              const Stage& stage, const VecX& start) {
         const SimulationDesc& options = model.scene.simulation;
         if (options.contact != ContactKind::penalty) return std::nullopt;
-        return ColliderContactEnergy(model.scene.colliders, state.collider_on, start,
+        return ColliderContactEnergy(model.scene.colliders, touched_colliders(model, state), start,
                                      options.contact_stiffness, stage.h,
                                      options.sliding_speed.value_or(1e-3));
     }
@@ -117,7 +126,8 @@ bool step_linearly_implicit(const Model& model, State& state, double dt, const s
     const StagePotential stage(model, state, step, start, w);
     std::vector<FilterContact> filtered;
     if (options.contact == ContactKind::velocity_filter) {
-        filtered = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
+        filtered =
+            find_filter_contacts(model.scene.colliders, touched_colliders(model, state), state.positions);
     }
     report.contacts = std::max(
         report.contacts, stage.penalty ? stage.penalty->contact_count() : static_cast<int>(filtered.size()));
@@ -161,7 +171,7 @@ bool minimize_among_barriers(const Model& model, const State& state, const Stage
                              Workspace& w, StepReport& report) {
     const auto& colliders = model.scene.colliders;
     w.contact->begin(x, problem.slide_from, problem.h, placements_at(colliders, problem.from),
-                     placements_at(colliders, problem.to), state.collider_on);
+                     placements_at(colliders, problem.to), touched_colliders(model, state));
     const ContactSolveReport solve = minimize_with_contact(
         {model, problem.potential, *w.contact, problem.pins, problem.h, problem.y, problem.force}, w.solver,
         x, w.contact_work);
@@ -313,7 +323,8 @@ class FilterOfStep {
   public:
     FilterOfStep(const Model& model, const State& state, StepReport& report) {
         if (model.scene.simulation.contact != ContactKind::velocity_filter) return;
-        contacts_ = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
+        contacts_ =
+            find_filter_contacts(model.scene.colliders, touched_colliders(model, state), state.positions);
         report.contacts = std::max(report.contacts, static_cast<int>(contacts_.size()));
     }
     /// Positions follow the filtered velocities.
@@ -395,7 +406,7 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
         terms.potential.gradient(q, force);
         if (w.contact) {
             const auto there = placements_at(model.scene.colliders, state.time);
-            w.contact->begin(q, before, h, there, there, state.collider_on);
+            w.contact->begin(q, before, h, there, there, touched_colliders(model, state));
             w.contact->add_gradient(q, force);
         }
         force *= -1.0;
@@ -521,8 +532,8 @@ double stored_energy(const Model& model, const State& state,
     double energy = kinetic_energy(model, state) + Potential(model, {{&drags}}).value(state.positions);
     const SimulationDesc& options = model.scene.simulation;
     if (options.contact == ContactKind::penalty) {
-        energy += ColliderContactEnergy(model.scene.colliders, state.collider_on, state.positions,
-                                        options.contact_stiffness, model.time_step,
+        energy += ColliderContactEnergy(model.scene.colliders, touched_colliders(model, state),
+                                        state.positions, options.contact_stiffness, model.time_step,
                                         options.sliding_speed.value_or(1e-3))
                       .value(state.positions);
     }
@@ -546,7 +557,8 @@ StepReport advance(const Model& model, State& state, Workspace& w) {
 
     if (w.contact && w.checked != state.collider_on) {
         const auto there = placements_at(model.scene.colliders, state.time);
-        w.contact->begin(state.positions, state.positions, model.time_step, there, there, state.collider_on);
+        w.contact->begin(state.positions, state.positions, model.time_step, there, there,
+                         touched_colliders(model, state));
         require_no_overlap(model, *w.contact, state.positions);
         w.checked = state.collider_on;
     }

@@ -142,6 +142,7 @@ struct ColliderDesc {
     double friction = 0.0;  ///< Coulomb coefficient; `barrier` takes the geometric mean with the fabric's
     bool enabled = true;    ///< whether it is on at the start
     bool drawn = true;
+    bool touchable = true;  ///< false: only drawn, cloth passes through
 };
 
 /// Some of a cloth's vertices; exactly one selection is given. Coordinates are those of the start pose.
