@@ -62,10 +62,13 @@ VertexFields::VertexFields(const Model& model) : model_(model), densities_(model
 double VertexFields::curvature(const State& state, int t) const {
     const BendingPatch& patch = patches_[t];
     const auto x = [&](int i) { return Vec3(state.positions.segment<3>(3 * patch.vertices[i])); };
+    // 2 tan(θ/2) → θ: what is folded flat has a curvature that its triangles' heights bound.
+    const auto angle = [](double fold) { return 2.0 * std::atan(0.5 * fold); };
     Vec3 folds = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
         if (patch.fold_weights.col(i).isZero(0.0)) continue;  // the rim
-        folds(i) = hinge_fold(x((i + 1) % 3), x((i + 2) % 3), x(i), x(3 + i)) - patch.rest_folds(i);
+        folds(i) = angle(hinge_fold(x((i + 1) % 3), x((i + 2) % 3), x(i), x(3 + i))) -
+                   angle(patch.rest_folds(i));
     }
     const Vec3 k = patch.fold_weights * folds;
     return std::sqrt(k(0) * k(0) + 2.0 * k(1) * k(1) + k(2) * k(2));

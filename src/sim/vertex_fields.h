@@ -4,7 +4,7 @@
 //
 // With G the deformation gradient of a triangle over its rest plane, C = GᵀG:
 //   stretch      greater principal stretch, root of C's greater eigenvalue [1]
-//   bending      Frobenius norm of the change of curvature since rest, from the folds to its neighbours [1/m]
+//   bending      Frobenius norm of the change of curvature since rest, from the angles to its neighbours [1/m]
 //   kinetic      ½ ρ |v|², ρ the mass per area of the sheet at rest [J/m²]
 //   gap          distance to the nearest collider that is on, negative inside; NaN where none is on [m]
 //   strain_rate  rate at which the direction that changes most changes its length: of the eigenvalues of
