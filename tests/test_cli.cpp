@@ -130,7 +130,7 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"simulate", {"--scene is missing"}},
         {"frobnicate", {"unknown verb \"frobnicate\"", "simulate", "compare"}},
         {"simulate sheet.toml", {"unexpected argument \"sheet.toml\""}},
-        {"list clothes", {"list clothes: give scenes or fabrics"}},
+        {"list clothes", {"list clothes: give scenes, fabrics or keys"}},
         {"list fabrics coton", {"no fabric \"coton\"; did you mean \"cotton\"?", "known: cotton, denim"}},
         {"list scenes drape_sphere", {"list scenes takes no name"}},
         {"list --sources", {"no --sources"}},

@@ -43,6 +43,21 @@ Mat3 camera_axes(const CameraDesc& camera) {
     return axes;
 }
 
+/// Evenly spread over the sphere, along a spiral of golden angles.
+const std::vector<Vec3>& directions() {
+    static const std::vector<Vec3> list = [] {
+        constexpr int count = 128;
+        std::vector<Vec3> made;
+        for (int i = 0; i < count; ++i) {
+            const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
+            const double angle = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
+            made.emplace_back(r * std::cos(angle), z, r * std::sin(angle));
+        }
+        return made;
+    }();
+    return list;
+}
+
 render::Float3 to_float(const Vec3& v) {
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
@@ -73,6 +88,10 @@ CameraPose camera_at(const CameraDesc& camera, double time) {
     return pose;
 }
 
+bool moves(const CameraDesc& camera) {
+    return !camera.path.empty() || camera.turntable != 0.0;
+}
+
 void aim(render::View& view, const CameraDesc& camera, double time) {
     const CameraPose pose = camera_at(camera, time);
     view.eye = to_float(pose.position);
@@ -81,7 +100,8 @@ void aim(render::View& view, const CameraDesc& camera, double time) {
     view.field_of_view = static_cast<float>(pose.field_of_view);
 }
 
-Extent::Extent(const CameraDesc& camera, double aspect) : axes_(camera_axes(camera)) {
+Extent::Extent(const CameraDesc& camera, double aspect)
+    : axes_(camera_axes(camera)), turns_(camera.turntable != 0.0) {
     const double half_height = (1.0 - 2.0 * spare) * std::tan(0.5 * camera.field_of_view * radians);
     slopes_ = Vec2(half_height * aspect, half_height);
     constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -92,6 +112,9 @@ Extent::Extent(const CameraDesc& camera, double aspect) : axes_(camera_axes(came
 }
 
 void Extent::add(const Vec3& point) {
+    if (turns_ && furthest_.empty()) furthest_.assign(directions().size(), point);
+    for (std::size_t i = 0; i < furthest_.size(); ++i)
+        if (directions()[i].dot(point - furthest_[i]) > 0.0) furthest_[i] = point;
     low_ = low_.cwiseMin(point);
     high_ = high_.cwiseMax(point);
     const Vec3 p = axes_ * point;
@@ -100,6 +123,7 @@ void Extent::add(const Vec3& point) {
 }
 
 void Extent::add(const Extent& other) {
+    for (const Vec3& point : other.furthest_) add(point);
     low_ = low_.cwiseMin(other.low_);
     high_ = high_.cwiseMax(other.high_);
     most_ = most_.cwiseMax(other.most_);
@@ -113,9 +137,20 @@ CameraDesc Extent::framed(const CameraDesc& camera) const {
     // Something to look at, however small.
     const double radius = std::max(0.5 * diagonal(), 1e-3);
     if (camera.turntable != 0.0) {
-        const double slope = slopes_.minCoeff();
+        // Seen from the distance d, a point is in the picture where |x| <= slope (z + d).
+        double distance = 1e-3;
+        constexpr int turns = 180;
+        for (int k = 0; k < turns; ++k) {
+            const double angle = 2.0 * std::numbers::pi * k / turns;
+            const Mat3 back = Eigen::AngleAxisd(angle, camera.up.normalized()).toRotationMatrix();
+            for (const Vec3& point : furthest_) {
+                const Vec3 p = axes_ * (back * (point - middle));
+                const double needed = p.head<2>().cwiseAbs().cwiseQuotient(slopes_).maxCoeff() - p.z();
+                distance = std::max({distance, needed, -1.05 * p.z()});
+            }
+        }
         result.target = middle;
-        result.position = middle - radius * std::sqrt(1.0 + 1.0 / (slope * slope)) * forward;
+        result.position = middle - distance * forward;
         return result;
     }
     // A point is in the picture where |x - ex| <= slope (z - ez). Two such bounds give ex in the middle, and

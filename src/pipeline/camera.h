@@ -6,7 +6,7 @@
 // and never beyond two neighbouring ones. It starts and ends at rest, and stays there before and after. The
 // turntable then turns the eye about the target.
 
-#include <array>
+#include <vector>
 
 #include "pipeline/picture_desc.h"
 #include "render/frame.h"
@@ -19,6 +19,8 @@ struct CameraPose {
     double field_of_view;  ///< [degree]
 };
 CameraPose camera_at(const CameraDesc& camera, double time);
+/// Whether the pose depends on the time.
+bool moves(const CameraDesc& camera);
 
 /// Puts the camera's pose at `time` into `view`.
 void aim(render::View& view, const CameraDesc& camera, double time);
@@ -35,14 +37,17 @@ class Extent {
     double diagonal() const { return empty() ? 0.0 : (high_ - low_).norm(); }  ///< of their box [m]
 
     /// `camera` moved, looking the same way, so that its picture holds all points with a twelfth of it to
-    /// spare on each side. With a turntable the middle of their box becomes the target, and the ball around
-    /// the box fits, so that it does in every turn.
+    /// spare on each side. With a turntable the middle of their box becomes the target, and they fit in every
+    /// turn; for this the furthest of them in many directions stand for all, which is right to a hundredth or
+    /// so.
     CameraDesc framed(const CameraDesc& camera) const;
 
   private:
     Mat3 axes_;        ///< rows: right, up, forward
     Vec2 slopes_;      ///< half width and half height that may be used, over the depth
     Vec3 low_, high_;  ///< of the points' box [m]
+    bool turns_;
+    std::vector<Vec3> furthest_;  ///< where it turns: the point furthest in each of many directions [m]
     Vec2 most_,
         least_;  ///< greatest of x - slope z and -x - slope z, and of the same with y, in these axes [m]
 };

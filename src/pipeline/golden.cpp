@@ -271,7 +271,7 @@ struct Session {
     Session(const Session&) = delete;  // the builder refers to the file
 
     render::Image draw(const State& state) {
-        aim(file.view, file.camera, state.time);
+        if (moves(file.camera)) aim(file.view, file.camera, state.time);
         return rasterizer.draw(builder.build(state), file.view);
     }
     bool fits(const State& state) const {

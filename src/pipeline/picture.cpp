@@ -32,7 +32,10 @@ SceneFile prepared(SceneFile file, const RunFacts& facts) {
             look.material.front = look.material.back = {0.2f, 0.2f, 0.2f};
         }
     }
-    if (facts.extent) file.camera = facts.extent->framed(file.camera);
+    if (facts.extent) {
+        file.camera = facts.extent->framed(file.camera);
+        aim(file.view, file.camera, 0.0);
+    }
     return file;
 }
 
@@ -379,7 +382,7 @@ render::Image PictureMaker::draw(const State& state, const std::string& label) {
     const AnnotationDesc& wanted = file_.annotation;
     render::View view = file_.view;
     const auto draw_at = [&](const State& s) {
-        aim(view, file_.camera, s.time);
+        if (moves(file_.camera)) aim(view, file_.camera, s.time);
         return draw_scene(s, view, wanted.wireframe);
     };
     std::optional<State> before;
@@ -396,7 +399,7 @@ render::Image PictureMaker::draw(const State& state, const std::string& label) {
             exposures.push_back(draw_at(between));
         }
         image = render::mean_image(exposures);
-        aim(view, file_.camera, state.time);
+        if (moves(file_.camera)) aim(view, file_.camera, state.time);
     } else {
         image = draw_at(state);
     }
