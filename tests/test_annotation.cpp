@@ -62,7 +62,10 @@ TEST_CASE("ticks stand at round numbers inside the range", "[annotation]") {
     CHECK(tick_labels(ticks(0, 1, 6)) == std::vector<std::string>{"0.0", "0.2", "0.4", "0.6", "0.8", "1.0"});
     CHECK(tick_labels(ticks(0.983, 1.042, 4)) == std::vector<std::string>{"1.00", "1.02", "1.04"});
     CHECK(tick_labels(ticks(-120, 480, 4)) == std::vector<std::string>{"0", "200", "400"});
-    CHECK(tick_labels(ticks(0, 2.5e-6, 3)) == std::vector<std::string>{"0e+00", "1e-06", "2e-06"});
+    CHECK(tick_labels(ticks(0, 2.5e-6, 3)) == std::vector<std::string>{"0", "1e-06", "2e-06"});
+    CHECK(tick_labels({0.0, 0.5, 1.25}) == std::vector<std::string>{"0.00", "0.50", "1.25"});
+    CHECK(tick_labels({0.0, 2e5, 2.5e5}) == std::vector<std::string>{"0", "2.0e+05", "2.5e+05"});
+    CHECK(tick_labels({1.0}) == std::vector<std::string>{"1"});
     CHECK(ticks(1, 1, 5).empty());
     CHECK(ticks(0, INFINITY, 5).empty());
     for (const double high : {0.3, 1.0, 7.7, 1234.0, 2e-5})

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "render/colormap.h"
 #include "render/overlay.h"
@@ -84,20 +85,24 @@ std::vector<double> ticks(double low, double high, int most) {
 std::vector<std::string> tick_labels(const std::vector<double>& places) {
     std::vector<std::string> labels;
     if (places.empty()) return labels;
-    double largest = 0;
+    double largest = 0, finest = 0;
     for (const double p : places) largest = std::max(largest, std::abs(p));
-    const double step = places.size() > 1 ? places[1] - places[0] : std::max(largest, 1e-300);
-    const int decimals = static_cast<int>(-std::floor(std::log10(step) + 1e-9));
-    for (const double p : places) {
-        if (largest >= 1e5 || decimals > 4) {
-            labels.push_back(fmt::format(
-                "{:.{}e}", p,
-                p == 0
-                    ? 0
-                    : std::max(0, static_cast<int>(std::floor(std::log10(std::abs(p)) + 1e-9)) + decimals)));
-        } else {
-            labels.push_back(fmt::format("{:.{}f}", p, std::max(decimals, 0)));
-        }
+    for (std::size_t i = 1; i < places.size(); ++i) {
+        const double step = std::abs(places[i] - places[i - 1]);
+        finest = i == 1 ? step : std::min(finest, step);
+    }
+    if (finest == 0) finest = std::max(largest, 1e-300);
+    // As many digits as tell each to a thousandth of the finest step
+    const bool powers = largest >= 1e5 || finest < 1e-4 * (1 - 1e-9);
+    for (int decimals = 0; decimals <= 6; ++decimals) {
+        labels.clear();
+        for (const double p : places)
+            labels.push_back(powers && p != 0 ? fmt::format("{:.{}e}", p, decimals)
+                                              : fmt::format("{:.{}f}", p, powers ? 0 : decimals));
+        bool told = true;
+        for (std::size_t i = 0; i < places.size(); ++i)
+            told = told && std::abs(std::stod(labels[i]) - places[i]) < 1e-3 * finest;
+        if (told) break;
     }
     return labels;
 }
@@ -146,7 +151,12 @@ int draw_legend(render::Image& image, const Legend& legend) {
     const float length = std::floor(std::min({0.55f * height, 18 * size, lowest - margin - head - 2 * pad}));
     if (length < 3 * size) return image.width;
     const int most = std::clamp(static_cast<int>(length / (2.2f * size)), 1, 8);
-    const std::vector<double> places = ticks(legend.low, legend.high, most);
+    std::vector<double> places = ticks(legend.low, legend.high, most);
+    // The ends of the scale are always told; what stands too near to them gives way.
+    const double room = 1.5 * static_cast<double>(size / length) * (legend.high - legend.low);
+    std::erase_if(places, [&](double p) { return p - legend.low < room || legend.high - p < room; });
+    places.insert(places.begin(), legend.low);
+    places.push_back(legend.high);
     std::vector<std::string> labels = tick_labels(places);
     float widest = 0;
     for (std::size_t i = 0; i < labels.size(); ++i) {

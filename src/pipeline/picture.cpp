@@ -378,7 +378,15 @@ void PictureMaker::draw_ids(render::Image& image, const State& state, const rend
     render::paste(image, page, x, y);
 }
 
-render::Image PictureMaker::draw(const State& state, const std::string& label) {
+std::optional<Legend> PictureMaker::legend() const {
+    if (!file_.annotation.shade || !facts_.shade) return std::nullopt;
+    const VertexFieldName& name = name_of(*file_.annotation.shade);
+    const std::string unit = name.unit;
+    return Legend{unit.empty() ? name.title : fmt::format("{} [{}]", name.title, unit), facts_.shade->low,
+                  facts_.shade->high, facts_.shade->below, facts_.shade->above};
+}
+
+render::Image PictureMaker::draw(const State& state, const std::string& label, bool with_legend) {
     const AnnotationDesc& wanted = file_.annotation;
     render::View view = file_.view;
     const auto draw_at = [&](const State& s) {
@@ -405,13 +413,7 @@ render::Image PictureMaker::draw(const State& state, const std::string& label) {
     }
     if (!facts_.curves.empty()) draw_curves(image, facts_.times, facts_.curves, state.time);
     int right = image.width;
-    if (wanted.shade && facts_.shade) {
-        const VertexFieldName& name = name_of(*wanted.shade);
-        const std::string unit = name.unit;
-        right = draw_legend(
-            image, {unit.empty() ? name.title : fmt::format("{} [{}]", name.title, unit), facts_.shade->low,
-                    facts_.shade->high, facts_.shade->below, facts_.shade->above});
-    }
+    if (const auto colors = legend(); colors && with_legend) right = draw_legend(image, *colors);
     if (wanted.ids) draw_ids(image, state, view, right);
     if (wanted.caption)
         draw_caption(image,

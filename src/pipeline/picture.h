@@ -29,7 +29,9 @@ class PictureMaker {
     PictureMaker& operator=(const PictureMaker&) = delete;
 
     /// `label` at the top, where there is one. Throws as Rasterizer::draw().
-    render::Image draw(const State& state, const std::string& label = "");
+    render::Image draw(const State& state, const std::string& label = "", bool with_legend = true);
+    /// Of the colours, where there are any.
+    std::optional<Legend> legend() const;
 
     const SceneFile& file() const { return file_; }
 

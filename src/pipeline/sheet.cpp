@@ -126,11 +126,20 @@ SheetSummary write_sheet(const fs::path& out, const fs::path& file, const SheetO
     for (const std::int64_t frame : frames) {
         require_going_on(options);
         const State state = read_state(run.folder.state(frame));
-        pictures.push_back(maker.draw(state));
+        pictures.push_back(maker.draw(state, "", sheet.own_size));
         texts.push_back(fmt::format("frame {}   {:.3f} s", frame, state.time));
         tell(options, static_cast<std::int64_t>(pictures.size()), count);
     }
-    const render::Image page = contact_sheet(pictures, texts, columns);
+    render::Image page = contact_sheet(pictures, texts, columns);
+    if (const auto colors = maker.legend(); colors && !sheet.own_size) {
+        // One for all of them, beside them.
+        render::Image side = render::plain_image(180, page.height, paper);
+        const int first = draw_legend(side, *colors);
+        render::Image wide = render::plain_image(page.width + side.width - first, page.height, paper);
+        render::paste(wide, side, page.width - first, 0);
+        render::paste(wide, page, 0, 0);
+        page = std::move(wide);
+    }
     render::write_png(page, file);
     return {file, count, page.width, page.height};
 }

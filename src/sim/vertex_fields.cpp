@@ -67,8 +67,8 @@ double VertexFields::curvature(const State& state, int t) const {
     Vec3 folds = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
         if (patch.fold_weights.col(i).isZero(0.0)) continue;  // the rim
-        folds(i) = angle(hinge_fold(x((i + 1) % 3), x((i + 2) % 3), x(i), x(3 + i))) -
-                   angle(patch.rest_folds(i));
+        folds(i) =
+            angle(hinge_fold(x((i + 1) % 3), x((i + 2) % 3), x(i), x(3 + i))) - angle(patch.rest_folds(i));
     }
     const Vec3 k = patch.fold_weights * folds;
     return std::sqrt(k(0) * k(0) + 2.0 * k(1) * k(1) + k(2) * k(2));
