@@ -28,6 +28,7 @@
 #include "pipeline/state_store.h"
 #include "pipeline/video.h"
 #include "render/rasterizer.h"
+#include "sim/colliders.h"
 #include "sim/fabrics.h"
 #include "validation/validation.h"
 
@@ -42,7 +43,7 @@ namespace fs = std::filesystem;
 /// As typed; the values are read below, so that each is refused in the same words wherever it is given.
 struct Arguments {
     std::string scene, frames, out, size, fps, threads, frame, format, file, golden, what, name, gamma,
-        resolution, fabric, plots;
+        resolution, fabric, plots, gl = "auto";
     std::vector<std::string> set;
     // Over the pictures
     std::string shade, shade_range, ids, curves, motion_blur;
@@ -256,6 +257,13 @@ class ProgressLine {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), shown_ = start_;
 };
 
+render::GlLibrary gl_library(const std::string& text) {
+    if (text == "auto") return render::GlLibrary::automatic;
+    if (text == "osmesa") return render::GlLibrary::osmesa;
+    if (text == "egl") return render::GlLibrary::egl;
+    refuse(fmt::format("--gl {}: give egl, osmesa or auto", text));
+}
+
 // ---------------------------------------------------------------- verbs
 
 /// The flags as --set lines, behind those that the user gave: a flag is the more deliberate of the two.
@@ -348,6 +356,7 @@ auto watched(const Arguments& args, bool pictures, Work work) {
     options.pictures = pictures;
     options.movie = pictures && !args.no_video;
     options.threads = thread_count(args.threads);
+    options.gl = gl_library(args.gl);
     options.stop = &stop_wanted;
     if (!args.quiet) options.progress = [&](const Progress& progress) { line.show(progress); };
     return work(options);
@@ -360,6 +369,7 @@ ExitCode with_progress(const Arguments& args, bool pictures, const fs::path& out
 
 ExitCode run(const Arguments& args, bool pictures) {
     thread_count(args.threads);
+    gl_library(args.gl);
     const SceneFile file = scene_for(args);
     const fs::path out = output_folder(args, file);
     return with_progress(args, pictures, out,
@@ -456,8 +466,8 @@ fs::path golden_folder(const Arguments& args, const SceneFile& file) {
 ExitCode compare(const Arguments& args) {
     const int threads = thread_count(args.threads);
     const SceneFile file = scene_for(args);
-    const GoldenResult result =
-        compare_golden(file, golden_folder(args, file), output_folder(args, file), threads);
+    const GoldenResult result = compare_golden(file, golden_folder(args, file), output_folder(args, file),
+                                               threads, gl_library(args.gl));
     fmt::print("{}report: {}\n", golden_table(result), result.report.string());
     if (!result.passed)
         throw Error(
@@ -471,7 +481,8 @@ ExitCode bless(const Arguments& args) {
     const int threads = thread_count(args.threads);
     const SceneFile file = scene_for(args);
     const fs::path golden = golden_folder(args, file);
-    const GoldenResult result = bless_golden(file, golden, output_folder(args, file), threads);
+    const GoldenResult result =
+        bless_golden(file, golden, output_folder(args, file), threads, gl_library(args.gl));
     if (result.rows.empty())
         fmt::print("{}: nothing to compare with\n", file.name);
     else
@@ -577,7 +588,7 @@ ExitCode validate_physics(const Arguments& args) {
     return ExitCode::good;
 }
 
-ExitCode version() {
+ExitCode version(const Arguments& args) {
     const auto attempt = [](auto&& ask) -> std::string {
         try {
             return ask();
@@ -591,7 +602,8 @@ ExitCode version() {
 #else
                "g++ " __VERSION__,
 #endif
-               build_fingerprint(), attempt([] { return render::Rasterizer(1).description(); }),
+               build_fingerprint(),
+               attempt([&] { return render::Rasterizer(1, gl_library(args.gl)).description(); }),
                attempt(ffmpeg_version));
     return ExitCode::good;
 }
@@ -612,6 +624,8 @@ void add_common_flags(CLI::App& app, Arguments& args) {
         ->allow_extra_args(false);
     app.add_option("--threads", args.threads, "Threads (default: all cores); the result is the same for any")
         ->type_name("N");
+    app.add_option("--gl", args.gl, "Library that draws (default: auto, OSMesa where it is there)")
+        ->type_name("egl|osmesa|auto");
     app.add_flag("--quiet", args.quiet, "No progress");
     app.add_flag("--no-video", args.no_video, "Pictures only, no MP4");
 }
@@ -699,6 +713,8 @@ ExitCode dispatch(int argc, char** argv) {
         each->add_option("--out", args.out, "Folder of the report (default: out/NAME)")->type_name("DIR");
         each->add_option("--threads", args.threads, "Threads (default: all cores)")->type_name("N");
     }
+    for (CLI::App* each : {compare_verb, bless_verb})
+        each->add_option("--gl", args.gl, "Library that draws (default: auto)")->type_name("egl|osmesa|auto");
     compare_verb->add_option("--set", args.set, "Override a key of the scene; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
@@ -724,7 +740,7 @@ ExitCode dispatch(int argc, char** argv) {
         if (app.got_subcommand(name) && args.scene.empty())
             refuse(fmt::format("{}: the scene is missing, as in render_cloth {} drape_sphere", name, name));
 
-    if (args.version) return version();
+    if (args.version) return version(args);
     if (*list_verb) return list(args);
     if (*validate_verb) return validate_physics(args);
     if (*sheet_verb) return sheet(args);
@@ -748,6 +764,9 @@ int main(int argc, char** argv) {
         return static_cast<int>(dispatch(argc, argv));
     } catch (const Error& e) {
         code = e.code;
+        line = e.what();
+    } catch (const OverlapError& e) {
+        code = ExitCode::start_overlap;
         line = e.what();
     } catch (const SceneError& e) {
         code = ExitCode::invalid_scene;

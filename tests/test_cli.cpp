@@ -155,6 +155,7 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"--scene sheet.toml --fps -24", {"--fps -24", "0.1 … 1000"}},
         {"--scene sheet.toml --fps fast", {"--fps fast", "0.1 … 1000"}},
         {"--scene sheet.toml --threads 0", {"--threads 0", "1 … 1024"}},
+        {"--scene sheet.toml --gl vulkan", {"--gl vulkan", "egl, osmesa or auto"}},
         {"--scene sheet.toml --threads two", {"--threads two", "1 … 1024"}},
         {"--scene sheet.toml --frames 2 --out file", {"--out file", "is a file; give a folder"}},
         {"--scene sheet.toml --set nonsense", {"--set nonsense", "KEY=VALUE"}},

@@ -246,10 +246,10 @@ TEST_CASE("folds past the yield stay as creases", "[energy]") {
     for (int i = 0; i < 9; ++i) {  // folded upwards about the middle line by 2·atan(0.1/0.1) = 90 degrees
         state.positions(3 * i + 2) = std::abs(state.positions(3 * i));
     }
-    energy.begin({state.positions, 1.0, 0.0, state});
+    energy.begin({{{1.0, state.positions}}, 1.0, 0.0, state});
     const double elastic = energy.value(state.positions);
     energy.finish(state);
-    energy.begin({state.positions, 1.0, 0.0, state});
+    energy.begin({{{1.0, state.positions}}, 1.0, 0.0, state});
     CHECK(state.rest_folds.cwiseAbs().maxCoeff() == Approx(2.0 - yield * 0.1));
     CHECK(energy.value(state.positions) < 0.1 * elastic);
     // What is left is the yield curvature over the eight triangles beside the fold, of 0.005 m² each.
@@ -331,7 +331,7 @@ TEST_CASE("viscosity, air and seams pass the battery", "[energy]") {
     State start;
     start.positions = states[4];
     start.velocities = VecX::LinSpaced(s.x.size(), -1.0, 2.0);
-    const Stage stage{start.positions, 0.02, 0.3, start};
+    const Stage stage{{{1.0, start.positions}}, 0.02, 0.3, start};
 
     MembraneViscosity membrane(s.triangles, s.woven);
     membrane.begin(stage);
@@ -369,7 +369,7 @@ TEST_CASE("a plate across the wind feels ½ ρ C_D A u², along it nothing; lift
     still.velocities = VecX::Zero(12);
     auto force = [&](const AirDesc& desc) {
         AirEnergy air(mesh.triangles, desc);
-        air.begin({still.positions, 0.01, 0.0, still});
+        air.begin({{{1.0, still.positions}}, 0.01, 0.0, still});
         VecX g = VecX::Zero(12);
         air.add_gradient(still.positions, g);
         return Vec3(-g.reshaped(3, 4).rowwise().sum());

@@ -314,6 +314,6 @@ TEST_CASE("the edges of a grid are selected by their names", "[scene]") {
     CHECK(edge("top") == std::vector<int>{3, 4, 5});
     std::string key;
     CHECK_THAT(refusal([&] { select_vertices(pin, p, "pin[0]"); }, &key),
-               Contains("names a grid's edge; this cloth is a mesh"));
+               Contains("names a grid's edge; this cloth is no grid"));
     CHECK(key == "pin[0].edge");
 }

@@ -6,6 +6,7 @@
 
 #include "sim/mesh.h"
 #include "sim/model.h"
+#include "sim/portable_math.h"
 #include "sim/scene.h"
 
 using namespace cloth;
@@ -222,6 +223,26 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
         CAPTURE(c.key, c.message);
         CHECK_THAT(refusal([&] { validate(scene); }, &key), Contains(c.message));
         CHECK(key == c.key);
+    }
+}
+
+TEST_CASE("a disc has rings of six more vertices each and fills its polygon", "[mesh]") {
+    for (int rings : {1, 2, 7}) {
+        const MeshData mesh = make_disc({.radius = 0.3, .rings = rings});
+        CHECK(mesh.positions.rows() == 1 + 3 * rings * (rings + 1));
+        CHECK(mesh.triangles.rows() == 6 * rings * rings);
+        CHECK_NOTHROW(check_cloth_mesh(mesh, "cloth[0]"));
+        double area = 0.0;
+        for (int t = 0; t < mesh.triangles.rows(); ++t) {
+            const Vec3 a = mesh.positions.row(mesh.triangles(t, 0)),
+                       b = mesh.positions.row(mesh.triangles(t, 1)),
+                       c = mesh.positions.row(mesh.triangles(t, 2));
+            const double z = (b - a).cross(c - a).z();
+            CHECK(z > 0.0);
+            area += 0.5 * z;
+        }
+        // The rim is a polygon of 6 rings corners.
+        CHECK(area == Approx(3.0 * rings * 0.09 * sin_degrees(60.0 / rings)));
     }
 }
 

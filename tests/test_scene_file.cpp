@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "pipeline/error.h"
+#include "pipeline/frame_builder.h"
 #include "pipeline/mesh_file.h"
 #include "pipeline/scene_file.h"
+#include "render/image.h"
 #include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
@@ -58,7 +60,10 @@ bool same_matrix(const Matrix& a, const Matrix& b) {
 }
 bool same_material(const render::Material& a, const render::Material& b) {
     return a.front == b.front && a.back == b.back && a.roughness == b.roughness && a.specular == b.specular &&
-           a.sheen == b.sheen;
+           a.sheen == b.sheen && a.pattern == b.pattern && a.pattern_scale == b.pattern_scale &&
+           a.pattern_colors == b.pattern_colors && a.pattern_on_back == b.pattern_on_back &&
+           a.weave == b.weave && a.weave_depth == b.weave_depth &&
+           (a.image == nullptr) == (b.image == nullptr);
 }
 
 void check_same_selection(const VertexSelection& p, const VertexSelection& q) {
@@ -103,7 +108,8 @@ void check_same(const SceneFile& a, const SceneFile& b) {
     CHECK(s.hessian == t.hessian);
     CHECK(s.contact == t.contact);
     CHECK(same(s.contact_stiffness, t.contact_stiffness));
-    CHECK(same(s.sliding_speed, t.sliding_speed));
+    CHECK(s.sliding_speed == t.sliding_speed);
+    CHECK(same(s.contact_activation, t.contact_activation));
     CHECK(s.newton_iterations == t.newton_iterations);
     CHECK(same(s.newton_tolerance, t.newton_tolerance));
     CHECK(s.retries == t.retries);
@@ -145,6 +151,11 @@ void check_same(const SceneFile& a, const SceneFile& b) {
         CHECK(same(c.radius, d.radius));
         CHECK(same(c.contact_offset, d.contact_offset));
         CHECK(c.contact_radius == d.contact_radius);
+        CHECK(same(c.height, d.height));
+        CHECK(same_matrix(c.size, d.size));
+        CHECK(same(c.scale, d.scale));
+        CHECK(same_matrix(c.rotate, d.rotate));
+        CHECK(same_matrix(c.spin, d.spin));
         CHECK(same(c.friction, d.friction));
         CHECK(c.enabled == d.enabled);
         CHECK(c.drawn == d.drawn);
@@ -600,6 +611,72 @@ TEST_CASE("a resolved scene loads to the same scene, bit for bit", "[scene_file]
     }
 }
 
+TEST_CASE("a cloth's pattern, threads, hem and the light's size reach the renderer", "[scene_file]") {
+    const SceneFile f = parse(sheet(R"(color = "#ffffff"
+pattern = "tartan"
+pattern_scale = 0.3
+pattern_colors = ["#ff0000", [0.0, 1.0, 0.0]]
+weave = 0.002
+weave_depth = 0.25
+hem = 0.004
+[[light]]
+angle = 7.5
+)"));
+    const render::Material& m = f.cloth_looks[0].material;
+    CHECK(m.pattern == render::Pattern::tartan);
+    CHECK(m.pattern_scale == 0.3f);
+    CHECK(m.pattern_colors[0] == render::Float3{1, 0, 0});
+    CHECK(m.pattern_colors[1] == render::Float3{0, 1, 0});
+    CHECK(m.pattern_colors[2] == render::Float3{0, 1, 0});  // the last one is repeated
+    CHECK(m.pattern_on_back);
+    CHECK(m.weave == 0.002f);
+    CHECK(m.weave_depth == 0.25f);
+    CHECK(f.cloth_looks[0].hem == 0.004);
+    CHECK(f.view.light.angle == 7.5f);
+    check_same(parse(f.resolved), f);
+    CHECK_FALSE(parse(sheet("pattern = \"dots\"\nback_color = \"#000000\"\n"))
+                    .cloth_looks[0]
+                    .material.pattern_on_back);
+
+    const TemporaryFolder folder;
+    render::write_png({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, folder / "print.png");
+    const SceneFile printed = parse_scene(sheet("texture = \"print.png\"\n"), "s.toml", folder.path(), {});
+    CHECK(printed.cloth_looks[0].material.pattern == render::Pattern::image);
+    CHECK(printed.cloth_looks[0].material.image->width == 2);
+}
+
+TEST_CASE("a cloth hangs with a rolled rim that keeps to its outline", "[frame_builder]") {
+    const SceneFile f = parse(sheet("resolution = 5\nhem = 0.01\nsubdivisions = 0\n"));
+    const Model model = build_model(f.scene);
+    FrameBuilder builder(f, model);
+    const render::Frame frame = builder.build(start_state(model));
+    REQUIRE(frame.surfaces.size() == 3);  // the sheet, and its rim's two halves
+    for (const std::size_t half : {1u, 2u}) {
+        const render::Surface& rim = frame.surfaces[half];
+        CHECK_FALSE(rim.casts_shadow);
+        CHECK(rim.positions.size() == 3 * 5 * 16);  // 16 rim vertices, 5 points across
+        float low = 0, high = 0, outermost = 0;
+        for (std::size_t i = 0; i < rim.positions.size(); i += 3) {
+            low = std::min(low, rim.positions[i + 2]);
+            high = std::max(high, rim.positions[i + 2]);
+            outermost = std::max(outermost, std::abs(rim.positions[i]));
+            const float length = std::hypot(rim.normals[i], rim.normals[i + 1], rim.normals[i + 2]);
+            CHECK(length == Approx(1).margin(1e-5));
+        }
+        CHECK(high == Approx(half == 1 ? 0.005 : 0).margin(1e-6));  // half the thickness to each side
+        CHECK(low == Approx(half == 1 ? 0 : -0.005).margin(1e-6));
+        CHECK(outermost == Approx(0.505).margin(1e-6));
+    }
+    // Rest coordinates go on over the rim: there they are the positions too.
+    for (const render::Surface& s : frame.surfaces)
+        for (std::size_t v = 0; 2 * v < s.coordinates.size(); ++v)
+            for (std::size_t k = 0; k < 2; ++k)
+                CHECK(s.coordinates[2 * v + k] == Approx(s.positions[3 * v + k]).margin(1e-6));
+    const SceneFile plain = parse(sheet("hem = 0.0\n"));
+    const Model plain_model = build_model(plain.scene);
+    CHECK(FrameBuilder(plain, plain_model).build(start_state(plain_model)).surfaces.size() == 1);
+}
+
 TEST_CASE("the assignment's scenes hold the assignment's numbers", "[scene_file]") {
     for (const std::string name : {"seed_sheet", "seed_kick", "seed_drag"}) {
         INFO(name);
@@ -758,6 +835,17 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("fabric.mu = 1\n"), "cloth[0].fabric.mu: mu and lambda are given together or not at all"},
         {sheet("fabric = { mu = 1, lambda = 1, young_modulus = 2 }\n"),
          "cloth[0].fabric.young_modulus: stands beside mu and lambda"},
+        {sheet("[[collider]]\nshape = \"box\"\n"), "collider[0].shape: needs contact = \"barrier\""},
+        {sheet("[[collider]]\nspin = [0, 90, 0]\n"), "collider[0].spin: needs contact = \"barrier\""},
+        {sheet("[[collider]]\nmesh = \"a.obj\"\n"), "collider[0].mesh: belongs to shape = \"mesh\""},
+        {sheet("[simulation]\ncontact = \"barrier\"\nintegrator = \"implicit_euler\"\n"
+               "[[collider]]\nshape = \"mesh\"\n"),
+         "collider[0].mesh: is missing"},
+        {sheet("[simulation]\ncontact = \"barrier\"\nintegrator = \"implicit_midpoint\"\n"),
+         "simulation.contact: is \"barrier\", which needs integrator = \"implicit_euler\" or"},
+        {sheet("[simulation]\ncontact_activation = 0\n"),
+         "simulation.contact_activation: is 0; must be greater than 0 m"},
+        {sheet("contact_thickness = 0\n"), "cloth[0].contact_thickness: is 0; must be greater than 0 m"},
         {sheet("[[collider]]\nradius = -1\n"), "collider[0].radius: is -1; must be greater than 0 m"},
         {sheet("[[collider]]\ncontact_radius = 0.3\ncontact_offset = 0.1\n"),
          "collider[0].contact_radius: stands beside contact_offset; give one of the two"},
@@ -774,6 +862,19 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("roughness = 1.5\n"), "s.toml:3:13: cloth[0].roughness: is 1.5; must be 0 … 1"},
         {sheet("[[collider]]\nspecular = -0.5\n"), "collider[0].specular: is -0.5; must be 0 … 1"},
         {sheet("sheen = -1\n"), "cloth[0].sheen: is -1; must be 0 … 10"},
+        {sheet("pattern = \"tartn\"\n"),
+         "s.toml:3:11: cloth[0].pattern: is \"tartn\"; did you mean \"tartan\"?"},
+        {sheet("pattern_scale = 0\n"), "cloth[0].pattern_scale: is 0; must be 0.0001 … 1000 m"},
+        {sheet("pattern_colors = []\n"),
+         "cloth[0].pattern_colors: has 0 entries; must be one to three colours"},
+        {sheet("pattern_colors = [\"red\"]\n"), "cloth[0].pattern_colors: is a string; must be \"#rrggbb\""},
+        {sheet("texture = \"none.png\"\n"), "s.toml:3:11: cloth[0].texture: "},
+        {sheet("texture = \"a.png\"\npattern = \"dots\"\n"),
+         "cloth[0].pattern: stands beside texture, which takes its place; give one or the other"},
+        {sheet("weave = -1\n"), "cloth[0].weave: is -1; must be 0 … 1 m"},
+        {sheet("weave_depth = 3\n"), "cloth[0].weave_depth: is 3; must be 0 … 2"},
+        {sheet("hem = 1\n"), "cloth[0].hem: is 1; must be 0 … 0.1 m"},
+        {sheet("[[light]]\nangle = 90\n"), "light[0].angle: is 90; must be 0 … 45 degree"},
         {sheet("[background]\nexposure = 0\n"), "background.exposure: is 0; must be "},
         {sheet("[output]\nframes = 0\n"), "s.toml:4:10: output.frames: is 0; must be 1 … "},
         {sheet("[output]\nquality = 52\n"), "output.quality: is 52; must be 0 … 51"},
@@ -902,6 +1003,15 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
          "s.toml:4:14: cloth[0].resolution: belongs to a grid, but the cloth has a mesh; give one of the "
          "two"},
         {sheet("pose = \"none.obj\"\n"), "s.toml:3:8: cloth[0].pose: "},
+        {sheet("radius = 0.15\nresolution = 3\n"),
+         "s.toml:4:14: cloth[0].resolution: belongs to a grid, but the cloth has a radius; give one of the "
+         "two"},
+        {sheet("rings = 4\n"), "s.toml:3:9: cloth[0].rings: belongs to a disc; give its radius too"},
+        {sheet("radius = 0.15\nrings = 0\n"), "s.toml:4:9: cloth[0].rings: is 0; must be 1 … 1000"},
+        {sheet("radius = -1\n"), "cloth[0].radius: is -1; must be greater than 0 m"},
+        {sheet("radius = 0.15\nmesh = \"none.obj\"\n"),
+         "s.toml:3:10: cloth[0].radius: belongs to a disc, but the cloth has a mesh; give one of the two"},
+        {sheet("radius = 0.15\n[[pin]]\nedge = \"top\"\n"), "names a grid's edge; this cloth is no grid"},
     };
     for (const Case& c : cases) {
         INFO(c.text);
@@ -932,7 +1042,7 @@ TEST_CASE("a mesh's fault is told with the scene's place and the mesh's line", "
     CHECK_THAT(told("mesh = \"good.obj\"\npose = \"four.obj\"\n"),
                Contains("s.toml:4:8: cloth[0].pose: has 4 vertices; the rest shape has 3"));
     CHECK_THAT(told("mesh = \"good.obj\"\n[[pin]]\nedge = \"top\"\n"),
-               Contains("s.toml:5:8: pin[0].edge: names a grid's edge; this cloth is a mesh"));
+               Contains("s.toml:5:8: pin[0].edge: names a grid's edge; this cloth is no grid"));
     CHECK(told("mesh = \"good.obj\"\n") == "");
 }
 

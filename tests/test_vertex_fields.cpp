@@ -106,6 +106,50 @@ TEST_CASE("the gap is that to the nearest collider that is on", "[vertex_fields]
     CHECK(fields.at(VertexField::gap, state).array().isNaN().all());
 }
 
+TEST_CASE("the gap knows every shape, also on its way", "[vertex_fields]") {
+    // Of the vertex in the middle of a sheet in z = 0, at the origin.
+    const auto gap = [](const ColliderDesc& collider, double time = 0.0) {
+        Scene scene = one_sheet();
+        scene.cloths[0].grid.resolution = {5, 5};
+        scene.colliders = {collider};
+        const Model model = build_model(scene);
+        State state = start_state(model);
+        state.time = time;
+        return VertexFields(model).at(VertexField::gap, state)(12);
+    };
+    ColliderDesc body;
+    body.center = Vec3(0, 0, 2);
+    body.shape = Shape::box;
+    body.size = Vec3(0.2, 0.4, 1.0);
+    CHECK(gap(body) == Approx(1.5));
+    body.rotate = Vec3(90, 0, 0);  // its y points along z now
+    CHECK(gap(body) == Approx(1.8));
+    body.rotate = Vec3::Zero();
+    body.center = Vec3(0, 0, 0.4);
+    CHECK(gap(body) == Approx(-0.1));  // inside
+    body.center = Vec3(0, 0, 2);
+    body.shape = Shape::capsule;
+    body.radius = 0.3;
+    body.height = 1.0;
+    CHECK(gap(body) == Approx(1.7));
+    body.rotate = Vec3(90, 0, 0);
+    CHECK(gap(body) == Approx(1.2));
+    body.shape = Shape::cylinder;
+    CHECK(gap(body) == Approx(1.5));
+    body.rotate = Vec3::Zero();
+    CHECK(gap(body) == Approx(1.7));
+    body.path = {MotionKey{.time = 0.0}, MotionKey{.time = 1.0, .translate = Vec3(0, 0, -1)}};
+    CHECK(gap(body, 1.0) == Approx(0.7));
+    body.path.clear();
+    body.shape = Shape::mesh;
+    body.mesh.emplace();
+    body.mesh->positions.resize(3, 3);
+    body.mesh->positions << -1, -1, 0, 1, -1, 0, 0, 2, 0;
+    body.mesh->triangles.resize(1, 3);
+    body.mesh->triangles << 0, 1, 2;
+    CHECK(gap(body) == Approx(2.0));
+}
+
 TEST_CASE("each field has one name", "[vertex_fields]") {
     for (const VertexFieldName& n : vertex_field_names()) CHECK(&name_of(n.field) == &n);
 }

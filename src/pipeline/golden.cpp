@@ -255,11 +255,11 @@ void write_page(GoldenResult& result, const std::string& rows, const fs::path& o
 
 /// What compare and bless have in common.
 struct Session {
-    Session(const SceneFile& scene_file, int threads)
+    Session(const SceneFile& scene_file, int threads, render::GlLibrary gl)
         : file(scene_file),
           frames(golden_frames(scene_file)),
           simulation(file.scene, threads),
-          rasterizer(threads),
+          rasterizer(threads, gl),
           builder(file, simulation.model()) {
         file.view.width = golden_width;
         file.view.height = golden_height;
@@ -318,7 +318,7 @@ std::string golden_table(const GoldenResult& result) {
 }
 
 GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
-                            int threads) {
+                            int threads, render::GlLibrary gl) {
     // Missing goldens are told of before any work is done.
     for (const std::int64_t frame : golden_frames(scene_file))
         for (const fs::path& path :
@@ -330,7 +330,7 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
                                         path.string(), bless_command(scene_file.name)));
         }
     const GoldenFacts facts = read_facts(golden);
-    Session session(scene_file, threads);
+    Session session(scene_file, threads, gl);
     GoldenResult& result = session.result;
     result.golden_build = facts.build;
     result.golden_renderer = facts.renderer;
@@ -359,8 +359,8 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
 }
 
 GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
-                          int threads) {
-    Session session(scene_file, threads);
+                          int threads, render::GlLibrary gl) {
+    Session session(scene_file, threads, gl);
     GoldenResult& result = session.result;
     const std::vector<State> states = simulate(session.simulation, result.scene, session.frames);
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipeline/scene_file.h"
+#include "render/gl_library.h"
 #include "render/image.h"
 #include "sim/state.h"
 
@@ -62,10 +63,12 @@ std::string golden_table(const GoldenResult& result);
 /// Re-runs the scene and compares with the goldens in the folder `golden`; writes the page `out`/golden.html.
 /// Throws Error(golden_mismatch) where goldens are missing, naming the command that makes them.
 GoldenResult compare_golden(const SceneFile& file, const std::filesystem::path& golden,
-                            const std::filesystem::path& out, int threads);
+                            const std::filesystem::path& out, int threads,
+                            render::GlLibrary gl = render::GlLibrary::automatic);
 /// Re-runs the scene and replaces its goldens; returns the comparison with what stood there before (no rows
 /// where nothing did). Only files of goldens are replaced or removed.
 GoldenResult bless_golden(const SceneFile& file, const std::filesystem::path& golden,
-                          const std::filesystem::path& out, int threads);
+                          const std::filesystem::path& out, int threads,
+                          render::GlLibrary gl = render::GlLibrary::automatic);
 
 }  // namespace cloth::pipeline

@@ -298,17 +298,20 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
     auto frames = nlohmann::ordered_json::array();
     for (const FrameRecord& record : summary.records) {
         const FrameReport& r = record.report;
-        frames.push_back({{"frame", r.frame},
-                          {"steps", r.steps},
-                          {"converged", r.converged},
-                          {"iterations", r.iterations},
-                          {"residual", r.residual},
-                          {"retries", r.retries},
-                          {"energy_before_J", r.energy_before},
-                          {"energy_after_J", r.energy_after},
-                          {"largest_stretch", r.largest_stretch},
-                          {"contacts", r.contacts},
-                          {"state_hash", record.state_hash}});
+        frames.push_back(
+            {{"frame", r.frame},
+             {"steps", r.steps},
+             {"converged", r.converged},
+             {"iterations", r.iterations},
+             {"residual", r.residual},
+             {"retries", r.retries},
+             {"energy_before_J", r.energy_before},
+             {"energy_after_J", r.energy_after},
+             {"largest_stretch", r.largest_stretch},
+             {"smallest_gap_m", std::isfinite(r.smallest_gap) ? nlohmann::ordered_json(r.smallest_gap)
+                                                              : nlohmann::ordered_json()},
+             {"contacts", r.contacts},
+             {"state_hash", record.state_hash}});
     }
     report["frames"] = std::move(frames);
     write_file(folder.report(), report.dump(1) + "\n");
@@ -390,7 +393,7 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
     const Model& model = simulation.model();
     std::optional<render::Rasterizer> rasterizer;
     if (options.pictures) {
-        rasterizer.emplace(options.threads);
+        rasterizer.emplace(options.threads, options.gl);
         summary.renderer = rasterizer->description();
         summary.width = file.view.width;
         summary.height = file.view.height;
@@ -609,7 +612,7 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
     RunSummary summary = summary_of(run, static_cast<std::int64_t>(frames.size()));
     const std::int64_t run_frames = run.folder.read_manifest().frames;
     if (options.movie) summary.encoder = ffmpeg_version();
-    render::Rasterizer rasterizer(options.threads);
+    render::Rasterizer rasterizer(options.threads, options.gl);
     summary.renderer = rasterizer.description();
     PictureMaker pictures(run.file, run.model, survey_run(run.folder, run.file, run.model, options.stop),
                           rasterizer, state_reader(run.folder));

@@ -14,6 +14,7 @@
 #include "pipeline/picture.h"
 #include "pipeline/scene_file.h"
 #include "pipeline/state_store.h"
+#include "render/gl_library.h"
 #include "sim/simulation.h"
 #include "sim/state.h"
 
@@ -27,8 +28,9 @@ struct Progress {
 
 struct RunOptions {
     bool pictures = true;
-    bool movie = true;  ///< needs pictures
-    int threads = 0;    ///< ≤ 0: all cores
+    bool movie = true;                                    ///< needs pictures
+    int threads = 0;                                      ///< ≤ 0: all cores
+    render::GlLibrary gl = render::GlLibrary::automatic;  ///< what draws
     /// Called after each frame of each stage, by one thread at a time.
     std::function<void(const Progress&)> progress;
     /// Looked at between frames: true ends the run, every finished frame kept.

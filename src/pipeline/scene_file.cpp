@@ -15,6 +15,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/mesh_file.h"
+#include "render/image.h"
 #include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
@@ -692,11 +693,19 @@ const Names<BendingKind> bending_names{{"quadratic", BendingKind::quadratic},
 const Names<HessianKind> hessian_names{{"assignment", HessianKind::assignment},
                                        {"projected", HessianKind::projected}};
 const Names<ContactKind> contact_names{{"velocity_filter", ContactKind::velocity_filter},
-                                       {"penalty", ContactKind::penalty}};
+                                       {"penalty", ContactKind::penalty},
+                                       {"barrier", ContactKind::barrier}};
 const Names<Diagonals> diagonal_names{{"uniform", Diagonals::uniform},
                                       {"mirrored", Diagonals::mirrored},
                                       {"alternating", Diagonals::alternating}};
-const Names<Shape> shape_names{{"sphere", Shape::sphere}, {"plane", Shape::plane}};
+const Names<Shape> shape_names{{"sphere", Shape::sphere},     {"plane", Shape::plane},
+                               {"box", Shape::box},           {"capsule", Shape::capsule},
+                               {"cylinder", Shape::cylinder}, {"mesh", Shape::mesh}};
+const Names<render::Pattern> pattern_names{{"plain", render::Pattern::plain},
+                                           {"stripes", render::Pattern::stripes},
+                                           {"checks", render::Pattern::checks},
+                                           {"tartan", render::Pattern::tartan},
+                                           {"dots", render::Pattern::dots}};
 const Names<Framing> framing_names{{"fixed", Framing::fixed}, {"auto", Framing::automatic}};
 const Names<Curve> curve_choices = [] {
     Names<Curve> names;
@@ -745,10 +754,33 @@ struct ClothEntry {
     std::optional<Vec2> size;
     std::optional<Resolution> resolution;
     std::optional<Diagonals> diagonals;
+    std::optional<double> radius;
+    std::optional<int> rings;
     std::optional<std::string> mesh, pose;
     LookEntry look{.color = {Vec3(0.72, 0.16, 0.14)}, .back_color = {}, .sheen = 0.35};
     int subdivisions = 1;
+    std::optional<render::Pattern> pattern;
+    double pattern_scale = 0.2, weave = 0.0, weave_depth = 0.5, hem = 0.002;
+    std::vector<Color> pattern_colors{
+        {Vec3(0.93, 0.91, 0.86)}, {Vec3(0.10, 0.14, 0.26)}, {Vec3(0.85, 0.68, 0.25)}};
+    std::optional<std::string> texture;
+    std::shared_ptr<const render::Image> image;
 
+    Look cloth_look() const {
+        Look all = look.look();
+        render::Material& m = all.material;
+        m.pattern = image ? render::Pattern::image : pattern.value_or(render::Pattern::plain);
+        m.pattern_scale = static_cast<float>(pattern_scale);
+        for (std::size_t i = 0; i < m.pattern_colors.size(); ++i)
+            m.pattern_colors[i] = pattern_colors[std::min(i, pattern_colors.size() - 1)].linear();
+        m.pattern_on_back = !look.back_color;
+        m.image = image;
+        m.weave = static_cast<float>(weave);
+        m.weave_depth = static_cast<float>(weave_depth);
+        all.subdivisions = subdivisions;
+        all.hem = hem;
+        return all;
+    }
     Fields fields() {
         return Fields{
                    field("name", "", "by which pins refer to it", desc.name),
@@ -756,7 +788,9 @@ struct ClothEntry {
                    field("resolution", "", "of a grid: vertices per side, one number or [along x, along y]",
                          resolution),
                    choice("diagonals", "of a grid: how squares are cut", diagonals, diagonal_names),
-                   field("mesh", "file", "rest shape, instead of a grid", mesh),
+                   field("radius", "m", "of a disc, instead of a grid", radius),
+                   field("rings", "", "of a disc: rings of vertices around the middle one", rings),
+                   field("mesh", "file", "rest shape, instead of a grid or disc", mesh),
                    field("pose", "file", "mesh of the start positions; default: the rest shape", pose),
                    field("scale", "", "of the start pose", desc.transform.scale),
                    field("rotate", "degree", "of the start pose, about fixed x, then y, then z",
@@ -766,8 +800,18 @@ struct ClothEntry {
                    field("velocity", "m/s", "at the start, of the free vertices", desc.velocity),
                    field("bump", "m", "height of a smooth out-of-plane offset of the start pose", desc.bump),
                    field("warp", "", "direction of the warp on the rest shape", desc.warp),
-                   field("subdivisions", "", "Loop steps that smooth the drawn surface", subdivisions, 0,
-                         3)} +
+                   field("contact_thickness", "m", "of contact = \"barrier\": of the sheet as others feel it",
+                         desc.contact_thickness),
+                   field("subdivisions", "", "Loop steps that smooth the drawn surface", subdivisions, 0, 3),
+                   choice("pattern", "on rest coordinates; on the back too, unless that has a colour",
+                          pattern, pattern_names),
+                   field("pattern_scale", "m", "width of one repeat of pattern or texture", pattern_scale,
+                         1e-4, 1000.0),
+                   field("pattern_colors", "sRGB", "one to three, beside color", pattern_colors),
+                   field("texture", "file", "PNG on rest coordinates, instead of a pattern", texture),
+                   field("weave", "m", "spacing of the threads; 0: smooth", weave, 0.0, 1.0),
+                   field("weave_depth", "", "slope of the threads' flanks", weave_depth, 0.0, 2.0),
+                   field("hem", "m", "thickness of the rim as drawn; 0: none", hem, 0.0, 0.1)} +
                look.fields();
     }
     Fields fabric_fields() {
@@ -810,15 +854,26 @@ struct ClothEntry {
 
 struct ColliderEntry {
     ColliderDesc desc;
+    std::optional<std::string> mesh;
     LookEntry look{.color = {Vec3(0.35, 0.42, 0.5)}, .back_color = {}, .roughness = 0.35, .specular = 0.05};
 
     Fields fields() {
         return Fields{
                    field("name", "", "by which events refer to it", desc.name),
                    choice("shape", "of the collider", desc.shape, shape_names),
-                   field("center", "m", "centre of a sphere, a point on a plane", desc.center),
+                   field("center", "m", "where the shape's origin stands; a point on a plane", desc.center),
                    field("normal", "", "of a plane, outward", desc.normal),
-                   field("radius", "m", "of a sphere, as drawn", desc.radius),
+                   field("radius", "m", "of a sphere, capsule or cylinder, as drawn", desc.radius),
+                   field("height", "m", "of a capsule's axis or a cylinder, along y", desc.height),
+                   field("size", "m", "of a box", desc.size),
+                   field("mesh", "file", "of shape = \"mesh\"; open or closed", mesh),
+                   field("scale", "", "of a mesh", desc.scale),
+                   field("rotate", "degree",
+                         "of a box, capsule, cylinder or mesh, about fixed x, then y, then z", desc.rotate),
+                   field("path", "",
+                         "[{ time, translate, rotate }, …] in s, m, degree: moves it; about center",
+                         desc.path),
+                   field("spin", "degree/s", "steady turn about center: axis times rate", desc.spin),
                    field("contact_offset", "m", "contact begins this far outside the drawn surface",
                          desc.contact_offset),
                    field("contact_radius", "m", "of a sphere: contact begins here, instead of contact_offset",
@@ -913,21 +968,25 @@ struct CameraEntry : CameraDesc {
 struct LightEntry {
     Vec3 direction;
     Color color{Vec3(1.0, 0.985, 0.96)};
-    double intensity, softness;
+    double intensity, softness, angle;
     bool shadow;
     LightEntry() {
         const render::Light light;
         direction = Vec3(light.direction[0], light.direction[1], light.direction[2]);
         intensity = light.intensity;
         softness = std::round(1e6 * light.softness) / 1e6;
+        angle = std::round(1e6 * light.angle) / 1e6;
         shadow = light.shadow;
     }
     Fields fields() {
-        return {field("direction", "", "from the scene towards the light", direction),
-                field("color", "sRGB", "of the light", color),
-                field("intensity", "", "irradiance of a facing plane", intensity, 0.0, 1e6),
-                field("softness", "m", "half the width of a shadow's edge", softness, 0.0, 1.0),
-                field("shadow", "", "whether it casts shadows", shadow)};
+        return {
+            field("direction", "", "from the scene towards the light", direction),
+            field("color", "sRGB", "of the light", color),
+            field("intensity", "", "irradiance of a facing plane", intensity, 0.0, 1e6),
+            field("softness", "m", "least half-width of a shadow's edge", softness, 0.0, 1.0),
+            field("angle", "degree", "across the light, as seen from the scene; shadows soften with distance",
+                  angle, 0.0, 45.0),
+            field("shadow", "", "whether it casts shadows", shadow)};
     }
 };
 
@@ -988,8 +1047,11 @@ struct Document {
             choice("hessian", "of linearly_implicit_euler", s.hessian, hessian_names),
             choice("contact", "how cloth meets colliders", s.contact, contact_names),
             field("contact_stiffness", "N/m", "of contact = \"penalty\", per vertex", s.contact_stiffness),
-            field("sliding_speed", "m/s", "of contact = \"penalty\": friction is in full force above it",
+            field("sliding_speed", "m/s",
+                  "friction is in full force above it; default: 1e-3 with penalty, 1e-5 with barrier",
                   s.sliding_speed),
+            field("contact_activation", "m", "of contact = \"barrier\": gap at which repulsion begins",
+                  s.contact_activation),
             field("newton_iterations", "", "most of one solve; of all but linearly_implicit_euler",
                   s.newton_iterations),
             field("newton_tolerance", "", "residual at which a solve stops, against the step's start",
@@ -1269,8 +1331,11 @@ class Reader {
                 if (other != plain) table.erase(other.substr(prefix.size()));
             }
         }
-        if (plain == "cloth.mesh") {
+        if (plain == "cloth.mesh" || plain == "cloth.radius") {
             for (const char* key : {"size", "resolution", "diagonals"}) table.erase(key);
+        }
+        if (plain == "cloth.mesh") {
+            for (const char* key : {"radius", "rings"}) table.erase(key);
         }
     }
 
@@ -1430,18 +1495,31 @@ void resolve_cloths(Reader& reader, Document& d) {
     for (std::size_t i = 0; i < d.cloths.size(); ++i) {
         ClothEntry& c = d.cloths[i];
         const std::string key = entry("cloth", i);
-        if (c.mesh) {
+        if (c.mesh || c.radius) {
             for (const auto& [given, name] :
                  {std::pair{c.size.has_value(), "size"}, std::pair{c.resolution.has_value(), "resolution"},
                   std::pair{c.diagonals.has_value(), "diagonals"}}) {
                 if (given) {
                     reader.fail(key + "." + name,
-                                "belongs to a grid, but the cloth has a mesh; give one of the two");
+                                fmt::format("belongs to a grid, but the cloth has a {}; give "
+                                            "one of the two",
+                                            c.mesh ? "mesh" : "radius"));
                 }
+            }
+        }
+        if (c.rings && !c.radius) reader.fail(key + ".rings", "belongs to a disc; give its radius too");
+        if (c.mesh) {
+            if (c.radius) {
+                reader.fail(key + ".radius",
+                            "belongs to a disc, but the cloth has a mesh; give one of the two");
             }
             const fs::path path = reader.find_file(*c.mesh);
             c.mesh = path.string();
             c.desc.mesh = load(reader, key + ".mesh", path, read_mesh);
+        } else if (c.radius) {
+            c.desc.disc = Disc{.radius = *c.radius};
+            if (c.rings) c.desc.disc->rings = *c.rings;
+            c.rings = c.desc.disc->rings;
         } else {
             if (c.size) c.desc.grid.size = *c.size;
             if (c.resolution) c.desc.grid.resolution = c.resolution->count;
@@ -1455,6 +1533,21 @@ void resolve_cloths(Reader& reader, Document& d) {
             c.pose = path.string();
             c.desc.pose = load(reader, key + ".pose", path, read_points);
         }
+        if (c.texture) {
+            if (c.pattern)
+                reader.fail(key + ".pattern",
+                            "stands beside texture, which takes its place; give one or the other");
+            const fs::path path = reader.find_file(*c.texture);
+            c.texture = path.string();
+            try {
+                c.image = std::make_shared<const render::Image>(render::read_png(path));
+            } catch (const std::runtime_error& error) {
+                reader.fail(key + ".texture", error.what());
+            }
+        }
+        if (c.pattern_colors.empty() || c.pattern_colors.size() > 3)
+            reader.fail(key + ".pattern_colors",
+                        fmt::format("has {} entries; must be one to three colours", c.pattern_colors.size()));
         d.scene.cloths.push_back(c.desc);
     }
 }
@@ -1478,7 +1571,17 @@ void resolve_selection(Reader& reader, const std::string& key, const SelectionEn
 
 void resolve_references(Reader& reader, Document& d) {
     require_distinct_names(reader, "collider", d.colliders);
-    for (const ColliderEntry& c : d.colliders) d.scene.colliders.push_back(c.desc);
+    for (std::size_t i = 0; i < d.colliders.size(); ++i) {
+        ColliderEntry& c = d.colliders[i];
+        if (c.mesh) {
+            const std::string key = entry("collider", i) + ".mesh";
+            if (c.desc.shape != Shape::mesh) reader.fail(key, "belongs to shape = \"mesh\"");
+            const fs::path path = reader.find_file(*c.mesh);
+            c.mesh = path.string();
+            c.desc.mesh = load(reader, key, path, read_mesh);
+        }
+        d.scene.colliders.push_back(c.desc);
+    }
     for (std::size_t i = 0; i < d.pins.size(); ++i) {
         PinEntry& p = d.pins[i];
         resolve_selection(reader, entry("pin", i), p.selection, d.cloths, p.desc, p.desc.cloth);
@@ -1671,8 +1774,8 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
         }
         const auto selected = [&](const VertexSelection& selection, int cloth, const std::string& key) {
             const ClothDesc& c = d.scene.cloths[cloth];
-            return select_vertices(selection, start_positions(c, c.mesh ? *c.mesh : make_grid(c.grid)), key,
-                                   c.mesh ? nullptr : &c.grid)
+            return select_vertices(selection, start_positions(c, rest_shape(c)), key,
+                                   c.mesh || c.disc ? nullptr : &c.grid)
                 .size();
         };
         for (std::size_t i = 0; i < d.scene.pins.size(); ++i)
@@ -1714,6 +1817,7 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     file.view.light.color = d.light.color.linear();
     file.view.light.intensity = static_cast<float>(d.light.intensity);
     file.view.light.softness = static_cast<float>(d.light.softness);
+    file.view.light.angle = static_cast<float>(d.light.angle);
     file.view.light.shadow = d.light.shadow;
     file.view.background = d.background.color.linear();
     file.view.sky = d.background.sky.linear();
@@ -1721,10 +1825,7 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     file.view.ambient_occlusion = d.background.ambient_occlusion;
     if (d.ground)
         file.ground = render::Ground{static_cast<float>(d.ground->height), d.ground->color.linear()};
-    for (const ClothEntry& c : d.cloths) {
-        file.cloth_looks.push_back(c.look.look());
-        file.cloth_looks.back().subdivisions = c.subdivisions;
-    }
+    for (const ClothEntry& c : d.cloths) file.cloth_looks.push_back(c.cloth_look());
     for (const ColliderEntry& c : d.colliders) file.collider_looks.push_back(c.look.look());
     file.resolved = write_document(d);
     return file;

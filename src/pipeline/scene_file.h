@@ -18,6 +18,7 @@ namespace cloth::pipeline {
 struct Look {
     render::Material material;
     int subdivisions = 0;  ///< Loop steps that smooth the drawn surface (cloth alone)
+    double hem = 0;        ///< thickness of the rim as drawn; 0: none (cloth alone) [m]
 };
 
 struct OutputDesc {

@@ -118,7 +118,7 @@ SheetSummary write_sheet(const fs::path& out, const fs::path& file, const SheetO
                     fmt::format("a sheet of {} pictures of {}x{} in {} columns would have a side of "
                                 "more than 32768 pixels; take fewer or smaller ones",
                                 count, run.file.view.width, run.file.view.height, columns));
-    render::Rasterizer rasterizer(options.threads);
+    render::Rasterizer rasterizer(options.threads, options.gl);
     PictureMaker maker(run.file, run.model, survey_run(run.folder, run.file, run.model, options.stop),
                        rasterizer, state_reader(run.folder));
     std::vector<render::Image> pictures;
@@ -165,7 +165,7 @@ ComparisonSummary write_comparison(const std::array<fs::path, 2>& runs, const fs
     const double last = std::min(times[0].back().first, times[1].back().first);
     std::erase_if(times[0], [&](const auto& t) { return t.first > last + 1e-9; });
 
-    render::Rasterizer rasterizer(options.threads);
+    render::Rasterizer rasterizer(options.threads, options.gl);
     std::array<std::unique_ptr<PictureMaker>, 2> makers;
     for (const int side : {0, 1})
         makers[side] = std::make_unique<PictureMaker>(kept[side].file, kept[side].model, facts[side],

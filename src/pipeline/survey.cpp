@@ -126,7 +126,9 @@ RunFacts survey_run(const RunFolder& folder, const SceneFile& file, const Model&
             if (name.report_key != nullptr) {
                 value = report->at(frames[k], name.report_key);
             } else if (name.curve == Curve::gap) {
-                value = 1e3 * least(fields.at(VertexField::gap, state));
+                // Between cloths the step's own contact knows; NaN gives way.
+                const double known = report->at(frames[k], "smallest_gap_m");
+                value = 1e3 * std::fmin(least(fields.at(VertexField::gap, state)), known);
             } else {
                 value = kinetic_energy(model, state);
             }

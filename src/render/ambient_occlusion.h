@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "render/frame.h"
+#include "render/vector_math.h"
 
 namespace cloth::render {
 
@@ -20,11 +20,6 @@ namespace cloth::render {
 /// (1 ± normal.y) / 2 where nothing is in the way.
 struct AmbientLight {
     float from_above = 0, from_below = 0;
-};
-
-/// Axis-aligned, in metres.
-struct Bounds {
-    Float3 low, high;
 };
 
 class AmbientOcclusion {

@@ -3,13 +3,27 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace cloth::render {
 
+struct Image;
+
 using Float3 = std::array<float, 3>;
+
+/// Drawn on rest coordinates, so that it moves and stretches with the cloth. One repeat is pattern_scale
+/// wide.
+enum class Pattern {
+    plain,    ///< the front colour
+    stripes,  ///< along v: half a repeat of the front colour, half of the first pattern colour
+    checks,   ///< a checkerboard of squares half a repeat wide, front colour and first pattern colour
+    tartan,   ///< bands of the front and three pattern colours, woven crosswise
+    dots,     ///< of the first pattern colour on the front colour, a quarter of a repeat in radius
+    image,    ///< one repeat wide, its upper edge along +v
+};
 
 /// Colours are linear Rec. 709 reflectances in 0 … 1.
 struct Material {
@@ -18,6 +32,13 @@ struct Material {
     float roughness = 0.7f;          ///< of the specular lobe, 0 … 1
     float specular = 0.04f;          ///< reflectance at normal incidence
     float sheen = 0.0f;              ///< strength of the soft glow of fibres at grazing angles
+    Pattern pattern = Pattern::plain;
+    float pattern_scale = 0.1f;              ///< width of one repeat [m]
+    std::array<Float3, 3> pattern_colors{};  ///< beside the front colour
+    bool pattern_on_back = false;            ///< woven rather than printed: both sides show it
+    std::shared_ptr<const Image> image{};    ///< of Pattern::image
+    float weave = 0.0f;        ///< spacing of the threads [m]; 0: smooth. Fades where a pixel holds several
+    float weave_depth = 0.5f;  ///< slope of a thread's flanks
 };
 
 /// A triangle mesh. The spans must outlive draw().
@@ -26,8 +47,10 @@ struct Surface {
     std::span<const float> normals;            ///< x y z per vertex, unit length
     std::span<const std::uint32_t> triangles;  ///< three vertex indices per triangle
     Material material;
-    bool two_sided = false;    ///< lit on both sides (cloth)
-    bool casts_shadow = true;  ///< false for large floors and walls: they only receive it
+    bool two_sided = false;                ///< lit on both sides (cloth)
+    bool casts_shadow = true;              ///< false for large floors and walls: they only receive it
+    std::span<const float> coordinates{};  ///< rest coordinates u v per vertex [m], or none: all 0
+    std::span<const float> colors{};       ///< r g b per vertex, linear, instead of the material's, or none
 };
 
 /// An endless horizontal floor that fades into the background.
@@ -46,7 +69,8 @@ struct Light {
     Float3 color{1.0f, 0.97f, 0.92f};       ///< linear
     float intensity = 2.6f;  ///< irradiance on a facing plane, in units where π·reflectance⁻¹ is white
     bool shadow = true;
-    float softness = 0.012f;  ///< half the width of a shadow's edge [m]
+    float softness = 0.003f;  ///< least half-width of a shadow's edge [m]
+    float angle = 4.0f;  ///< across the light, as seen from the scene [degree]: edges widen with distance
 };
 
 struct View {

@@ -1,6 +1,7 @@
 #pragma once
-// An offscreen OpenGL 4.0 core context and the entry points drawn with. gl_context.cpp alone knows which
-// library makes the context, so that another (surfaceless EGL) can take its place behind this header.
+// An offscreen OpenGL 4.0 core context and the entry points drawn with. gl_context.cpp alone knows the
+// libraries that make one: OSMesa, and EGL without a surface. Each is looked for when it is wanted, so either
+// may be missing.
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
@@ -10,21 +11,25 @@
 #include <string>
 #include <string_view>
 
+#include "render/gl_library.h"
+
 namespace cloth::render {
 
 // clang-format off
 /// The entry points used, by their names without the prefix.
-#define CLOTH_GL_FUNCTIONS(X)                                                                                  \
-    X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindFramebuffer) X(BindTexture) X(BindVertexArray)        \
-    X(BufferData) X(CheckFramebufferStatus) X(Clear) X(ClearColor) X(ClearDepth) X(CompileShader)              \
-    X(CreateProgram) X(CreateShader) X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram) X(DeleteShader)   \
-    X(DeleteTextures) X(DeleteVertexArrays) X(DepthFunc) X(DepthMask) X(Disable) X(DrawArrays) X(DrawBuffer)   \
-    X(DrawElements) X(Enable) X(EnableVertexAttribArray) X(Finish) X(Flush) X(FramebufferTexture2D)            \
-    X(GenBuffers) X(GenFramebuffers) X(GenTextures) X(GenVertexArrays) X(GetError) X(GetIntegerv)              \
-    X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString)                       \
-    X(GetUniformLocation) X(LinkProgram) X(PixelStorei) X(ReadBuffer) X(ReadPixels) X(Scissor) X(ShaderSource)            \
-    X(TexImage2D) X(TexParameteri) X(Uniform1f) X(Uniform1i) X(Uniform2f) X(Uniform3f) X(Uniform4f)            \
-    X(UniformMatrix4fv) X(UseProgram) X(VertexAttribPointer) X(Viewport)
+#define CLOTH_GL_FUNCTIONS(X)                                                                               \
+    X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindFramebuffer) X(BindSampler) X(BindTexture)         \
+    X(BindVertexArray) X(BufferData) X(CheckFramebufferStatus) X(Clear) X(ClearBufferuiv) X(ClearColor)     \
+    X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteBuffers) X(DeleteFramebuffers)                \
+    X(DeleteProgram) X(DeleteSamplers) X(DeleteShader) X(DeleteTextures) X(DeleteVertexArrays)              \
+    X(DepthFunc) X(Disable) X(DrawArrays) X(DrawBuffer) X(DrawElements) X(Enable)                           \
+    X(EnableVertexAttribArray) X(Flush) X(FramebufferTexture2D) X(GenBuffers) X(GenFramebuffers)            \
+    X(GenSamplers) X(GenTextures) X(GenVertexArrays) X(GenerateMipmap) X(GetError) X(GetIntegerv)           \
+    X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString)                    \
+    X(GetUniformLocation) X(LinkProgram) X(PixelStorei) X(ReadBuffer) X(ReadPixels) X(SamplerParameteri)    \
+    X(Scissor) X(ShaderSource) X(TexBuffer) X(TexImage2D) X(TexParameteri) X(Uniform1f) X(Uniform1i)        \
+    X(Uniform2f) X(Uniform3f) X(Uniform4f) X(UniformMatrix4fv) X(UseProgram) X(VertexAttribPointer)         \
+    X(Viewport)
 // clang-format on
 
 struct GlFunctions {
@@ -36,8 +41,8 @@ struct GlFunctions {
 class GlContext {
   public:
     /// `threads`: of the software driver; ≤ 0 for all cores. Only the first context of a process sets it.
-    /// Throws std::runtime_error where no suitable context can be made.
-    explicit GlContext(int threads);
+    /// Throws std::runtime_error where no suitable context can be made. One process keeps to one library.
+    explicit GlContext(int threads, GlLibrary library = GlLibrary::automatic);
     ~GlContext();
     GlContext(const GlContext&) = delete;
     GlContext& operator=(const GlContext&) = delete;
@@ -50,7 +55,11 @@ class GlContext {
     std::string version;   ///< of OpenGL, then of the driver
 
   private:
-    struct Platform;
+    void load_functions();
+
+    class Platform;
+    class OsMesa;
+    class Egl;
     std::unique_ptr<Platform> platform_;
 };
 

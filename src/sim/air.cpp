@@ -64,11 +64,11 @@ AirEnergy::AirEnergy(const Triangles& triangles, const AirDesc& air)
 
 void AirEnergy::begin(const Stage& stage) {
     h_ = stage.h;
-    base_ = stage.base;
+    base_ = stage.base();
     parallel_for(elements_.count(), [&](int t) {
         const auto& v = elements_.stencil(t);
-        const Vec3 x0 = base_.segment<3>(3 * v[0]), x1 = base_.segment<3>(3 * v[1]),
-                   x2 = base_.segment<3>(3 * v[2]);
+        const VecX& x = stage.past.front().positions;
+        const Vec3 x0 = x.segment<3>(3 * v[0]), x1 = x.segment<3>(3 * v[1]), x2 = x.segment<3>(3 * v[2]);
         const Vec3 area_normal = (x1 - x0).cross(x2 - x0);
         const double area = 0.5 * area_normal.norm();
         wind_[t] = wind_field_.at((x0 + x1 + x2) / 3.0, stage.time);

@@ -353,11 +353,12 @@ BendingViscosity::BendingViscosity(const std::vector<BendingPatch>& patches,
 
 void BendingViscosity::begin(const Stage& stage) {
     h_ = stage.h;
-    base_ = stage.base;
+    base_ = stage.base();
     parallel_for(patches_.count(), [&](int k) {
         const auto& v = patches_.stencil(k);
-        const Vec3 x0 = base_.segment<3>(3 * v[0]);
-        normals_[k] = (base_.segment<3>(3 * v[1]) - x0).cross(base_.segment<3>(3 * v[2]) - x0).normalized();
+        const VecX& x = stage.past.front().positions;
+        const Vec3 x0 = x.segment<3>(3 * v[0]);
+        normals_[k] = (x.segment<3>(3 * v[1]) - x0).cross(x.segment<3>(3 * v[2]) - x0).normalized();
     });
 }
 

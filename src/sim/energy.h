@@ -33,12 +33,24 @@ class Energy {
     virtual double largest_share(const VecX& /*x*/, const VecX& /*d*/) const { return 1.0; }
 };
 
-/// What a solve knows of its step. Velocities within it are (x - base) / h, with x the positions solved for.
+/// What a solve knows of its step. Velocities within it are (x - base) / h, with x the positions solved for
+/// and base = Σ share · positions. The rate of a quantity that is not linear in the positions, such as a
+/// strain, is (e(x) - Σ share · e(positions)) / h: the extrapolated base itself may be no sane shape.
 struct Stage {
-    VecX base;           ///< shape (3n) [m]
-    double h = 0.0;      ///< [s]
-    double time = 0.0;   ///< at the solve's end [s]
-    const State& state;  ///< at the step's start
+    struct Past {
+        double share;
+        const VecX& positions;
+    };
+    std::vector<Past> past;  ///< shares add up to 1
+    double h;                ///< [s]
+    double time;             ///< at the solve's end [s]
+    const State& state;      ///< at the step's start
+
+    VecX base() const {
+        VecX sum = VecX::Zero(state.positions.size());
+        for (const Past& p : past) sum += p.share * p.positions;
+        return sum;
+    }
 };
 
 /// A term that depends on the step: dissipation (a potential whose gradient is minus the force at the

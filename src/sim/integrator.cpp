@@ -4,43 +4,16 @@
 #include <cmath>
 #include <optional>
 
+#include "sim/colliders.h"
 #include "sim/contact.h"
 #include "sim/drag.h"
 #include "sim/membrane.h"
+#include "sim/potential.h"
 #include "sim/simulation.h"
 #include "sim/velocity_filter.h"
 
 namespace cloth {
 namespace {
-
-/// The sum of the model's energies and of those of a step.
-class Potential {
-  public:
-    Potential(const Model& model, const std::vector<Energy*>& of_this_step) {
-        for (const auto& energy : model.energies) terms_.push_back(energy.get());
-        for (Energy* energy : of_this_step) terms_.push_back(energy);
-    }
-    double value(const VecX& x) const {
-        double sum = 0.0;
-        for (const Energy* term : terms_) sum += term->value(x);
-        return sum;
-    }
-    void gradient(const VecX& x, VecX& g) const {
-        g.setZero(x.size());
-        for (const Energy* term : terms_) term->add_gradient(x, g);
-    }
-    void hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
-        for (const Energy* term : terms_) term->add_hessian(x, kind, H);
-    }
-    double largest_share(const VecX& x, const VecX& d) const {
-        double share = 1.0;
-        for (const Energy* term : terms_) share = std::min(share, term->largest_share(x, d));
-        return share;
-    }
-
-  private:
-    std::vector<const Energy*> terms_;
-};
 
 /// Terms that are made anew for each stage, and the potential that they are part of.
 struct StagePotential {
@@ -48,12 +21,12 @@ struct StagePotential {
     std::optional<ColliderContactEnergy> penalty;
     Potential potential;
 
-    /// `start`: positions that friction slides from.
+    /// `start`: positions that friction slides from; `dissipation`: weight of the terms that store nothing.
     StagePotential(const Model& model, const State& state, const Stage& stage, const VecX& start,
-                   Workspace& w)
+                   Workspace& w, double dissipation = 1.0)
         : drags(model.scene.drags, state.drags, stage.time),
           penalty(make_penalty(model, state, stage, start)),
-          potential(model, bind(model, stage, w)) {}
+          potential(model, bind(model, stage, w, dissipation)) {}
     StagePotential(const StagePotential&) = delete;
 
   private:
@@ -62,18 +35,22 @@ struct StagePotential {
         const SimulationDesc& options = model.scene.simulation;
         if (options.contact != ContactKind::penalty) return std::nullopt;
         return ColliderContactEnergy(model.scene.colliders, state.collider_on, start,
-                                     options.contact_stiffness, stage.h, options.sliding_speed);
+                                     options.contact_stiffness, stage.h,
+                                     options.sliding_speed.value_or(1e-3));
     }
-    std::vector<Energy*> bind(const Model& model, const Stage& stage, Workspace& w) {
+    std::vector<Potential::Term> bind(const Model& model, const Stage& stage, Workspace& w,
+                                      double dissipation) {
         drags.bind(model.pattern);
-        std::vector<Energy*> terms{&drags};
+        std::vector<Potential::Term> terms{{&drags}};
         if (penalty) {
             penalty->bind(model.pattern);
-            terms.push_back(&*penalty);
+            terms.push_back({&*penalty});
         }
         for (const auto& energy : w.stage_energies) {
+            const double weight = energy->conservative() ? 1.0 : dissipation;
+            if (weight == 0.0) continue;
             energy->begin(stage);
-            terms.push_back(energy.get());
+            terms.push_back({energy.get(), weight});
         }
         return terms;
     }
@@ -135,8 +112,9 @@ bool factorize_newton_system(const Model& model, const Potential& potential, con
 bool step_linearly_implicit(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                             Workspace& w, StepReport& report) {
     const SimulationDesc& options = model.scene.simulation;
-    const StagePotential stage(model, state, {state.positions, dt, state.time + dt, state}, state.positions,
-                               w);
+    const VecX start = state.positions;
+    const Stage step{{{1.0, start}}, dt, state.time + dt, state};
+    const StagePotential stage(model, state, step, start, w);
     std::vector<FilterContact> filtered;
     if (options.contact == ContactKind::velocity_filter) {
         filtered = find_filter_contacts(model.scene.colliders, state.collider_on, state.positions);
@@ -173,9 +151,31 @@ struct StageProblem {
     const Potential& potential;
     const std::vector<Pin>& pins;
     double h;
-    VecX y;               ///< shape (3n) [m]
-    VecX force = VecX();  ///< f, shape (3n) [N]; empty: none
+    VecX y;                  ///< shape (3n) [m]
+    double from, to;         ///< time where x starts and where it ends [s]
+    const VecX& slide_from;  ///< positions that friction counts its way from, shape (3n) [m]
+    VecX force = VecX();     ///< f, shape (3n) [N]; empty: none
 };
+
+bool minimize_among_barriers(const Model& model, const State& state, const StageProblem& problem, VecX& x,
+                             Workspace& w, StepReport& report) {
+    const auto& colliders = model.scene.colliders;
+    w.contact->begin(x, problem.slide_from, problem.h, placements_at(colliders, problem.from),
+                     placements_at(colliders, problem.to), state.collider_on);
+    const ContactSolveReport solve = minimize_with_contact(
+        {model, problem.potential, *w.contact, problem.pins, problem.h, problem.y, problem.force}, w.solver,
+        x, w.contact_work);
+    report.iterations += solve.newton_iterations;
+    report.placements += solve.placements;
+    report.cg_iterations += solve.cg_iterations;
+    report.factorizations += solve.factorizations;
+    report.residual = std::max(report.residual, solve.residual);
+    if (solve.worst_vertex >= 0) report.worst_vertex = solve.worst_vertex;
+    if (!solve.converged) return false;
+    report.contacts = std::max(report.contacts, w.contact->contact_count(x));
+    report.smallest_gap = std::min(report.smallest_gap, w.contact->smallest_gap(x));
+    return true;
+}
 
 /// Root of the sum of the squared diagonal blocks' traces.
 double diagonal_norm(const Model& model, const BlockMatrix& A) {
@@ -188,7 +188,9 @@ double diagonal_norm(const Model& model, const BlockMatrix& A) {
 }
 
 /// From the allowed positions x to the minimum; false where it is not reached. x is then of no use.
-bool minimize(const Model& model, const StageProblem& problem, VecX& x, Workspace& w, StepReport& report) {
+bool minimize(const Model& model, const State& state, const StageProblem& problem, VecX& x, Workspace& w,
+              StepReport& report) {
+    if (w.contact) return minimize_among_barriers(model, state, problem, x, w, report);
     const SimulationDesc& options = model.scene.simulation;
     const Potential& potential = problem.potential;
     const double h2 = problem.h * problem.h;
@@ -329,16 +331,18 @@ class FilterOfStep {
 
 bool step_implicit_euler(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                          Workspace& w, StepReport& report) {
-    const Stage stage{state.positions, dt, state.time + dt, state};
+    const Stage stage{{{1.0, state.positions}}, dt, state.time + dt, state};
     const StagePotential terms(model, state, stage, state.positions, w);
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
     VecX x = state.positions;
-    if (!minimize(model, {terms.potential, pins, dt, state.positions + dt * state.velocities}, x, w,
-                  report)) {
+    if (!minimize(model, state,
+                  {terms.potential, pins, dt, state.positions + dt * state.velocities, state.time, stage.time,
+                   state.positions},
+                  x, w, report)) {
         return false;
     }
-    state.velocities = (x - stage.base) / dt;
+    state.velocities = (x - state.positions) / dt;
     filter.apply(dt, x, state.velocities);
     state.positions = x;
     return true;
@@ -347,7 +351,7 @@ bool step_implicit_euler(const Model& model, State& state, double dt, const std:
 bool step_implicit_midpoint(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                             Workspace& w, StepReport& report) {
     const double h = 0.5 * dt;
-    const Stage stage{state.positions, h, state.time + h, state};
+    const Stage stage{{{1.0, state.positions}}, h, state.time + h, state};
     const StagePotential terms(model, state, stage, state.positions, w);
     const FilterOfStep filter(model, state, report);
     if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
@@ -357,7 +361,10 @@ bool step_implicit_midpoint(const Model& model, State& state, double dt, const s
         pin.position = 0.5 * (pin.position + Vec3(state.positions.segment<3>(3 * pin.vertex)));
     }
     VecX x = state.positions;
-    if (!minimize(model, {terms.potential, half, h, state.positions + h * state.velocities}, x, w, report)) {
+    if (!minimize(model, state,
+                  {terms.potential, half, h, state.positions + h * state.velocities, state.time, stage.time,
+                   state.positions},
+                  x, w, report)) {
         return false;
     }
     VecX velocities = 2.0 / h * (x - state.positions) - state.velocities;
@@ -379,35 +386,51 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
     const FilterOfStep filter(model, state, report);
     const VecX q = state.positions, v = state.velocities;
 
-    // The forces at the start: those of a stage that ends there with the velocities v.
+    // The forces at the start, dissipation apart: that of the first stage is taken at its mean velocity.
     VecX force;
     {
-        const Stage stage{q - h * v, h, state.time, state};
-        const StagePotential terms(model, state, stage, stage.base, w);
+        const VecX before = q - h * v;
+        const Stage stage{{{1.0, before}}, h, state.time, state};
+        const StagePotential terms(model, state, stage, before, w, 0.0);
         terms.potential.gradient(q, force);
+        if (w.contact) {
+            const auto there = placements_at(model.scene.colliders, state.time);
+            w.contact->begin(q, before, h, there, there, state.collider_on);
+            w.contact->add_gradient(q, force);
+        }
         force *= -1.0;
         zero_pinned(pins, force);
     }
     VecX x = q, v_gamma;
     {
-        const Stage stage{q + h * v, h, state.time + gamma * dt, state};
-        const StagePotential terms(model, state, stage, q, w);
+        const Stage stage{{{1.0, q}}, 2.0 * h, state.time + gamma * dt, state};
+        const StagePotential terms(model, state, stage, q, w, 2.0);
         if (terms.penalty) report.contacts = std::max(report.contacts, terms.penalty->contact_count());
         std::vector<Pin> part = pins;
         for (Pin& pin : part) {
             const Vec3 from = q.segment<3>(3 * pin.vertex);
             if (pin.position != from) pin.position = from + gamma * (pin.position - from);
         }
-        if (!minimize(model, {terms.potential, part, h, q + 2.0 * h * v, force}, x, w, report)) return false;
-        v_gamma = (x - stage.base) / h;
+        if (!minimize(model, state,
+                      {terms.potential, part, h, q + 2.0 * h * v, state.time, stage.time, q, force}, x, w,
+                      report)) {
+            return false;
+        }
+        v_gamma = (x - q) / h - v;
         for (const Pin& pin : pins) v_gamma.segment<3>(3 * pin.vertex) = v.segment<3>(3 * pin.vertex);
     }
     const double c1 = 1.0 / (gamma * (2.0 - gamma)), c0 = (1.0 - gamma) * (1.0 - gamma) * c1;
-    const Stage stage{c1 * x - c0 * q, h, state.time + dt, state};
-    const StagePotential terms(model, state, stage, x, w);
-    VecX y = stage.base + h * (c1 * v_gamma - c0 * v);
-    if (!minimize(model, {terms.potential, pins, h, std::move(y)}, x, w, report)) return false;
-    state.velocities = (x - stage.base) / h;
+    const VecX x_gamma = x;
+    const Stage stage{{{c1, x_gamma}, {-c0, q}}, h, state.time + dt, state};
+    const StagePotential terms(model, state, stage, x_gamma, w);
+    const VecX base = stage.base();
+    VecX y = base + h * (c1 * v_gamma - c0 * v);
+    if (!minimize(model, state,
+                  {terms.potential, pins, h, std::move(y), state.time + gamma * dt, stage.time, x_gamma}, x,
+                  w, report)) {
+        return false;
+    }
+    state.velocities = (x - base) / h;
     for (const Pin& pin : pins) {
         state.velocities.segment<3>(3 * pin.vertex) = (pin.position - q.segment<3>(3 * pin.vertex)) / dt;
     }
@@ -435,8 +458,12 @@ bool step_by(const Model& model, State& state, double dt, int halvings, Workspac
         return false;
     }();
     report.iterations += attempt.iterations;
+    report.placements += attempt.placements;
+    report.cg_iterations += attempt.cg_iterations;
+    report.factorizations += attempt.factorizations;
     report.contacts = std::max(report.contacts, attempt.contacts);
     if (converged) {
+        report.smallest_gap = std::min(report.smallest_gap, attempt.smallest_gap);
         report.residual = std::max(report.residual, attempt.residual);
         state.time += dt;
         return true;
@@ -475,6 +502,10 @@ Workspace::Workspace(const Model& model)
     : pinned(model.pinned), solver(model.pattern, model.pinned), stage_energies(make_stage_energies(model)) {
     for (BlockMatrix* matrix : {&system, &exact_system, &blended_system}) matrix->reset(model.pattern);
     for (const auto& energy : stage_energies) energy->bind(model.pattern);
+    if (model.scene.simulation.contact == ContactKind::barrier) {
+        contact.emplace(make_contact_system(model));
+        contact->bind(model.pattern);
+    }
 }
 
 double kinetic_energy(const Model& model, const State& state) {
@@ -487,16 +518,17 @@ namespace {
 double stored_energy(const Model& model, const State& state,
                      const std::vector<std::unique_ptr<StageEnergy>>& stage_energies) {
     DragEnergy drags(model.scene.drags, state.drags, state.time);
-    double energy = kinetic_energy(model, state) + Potential(model, {&drags}).value(state.positions);
+    double energy = kinetic_energy(model, state) + Potential(model, {{&drags}}).value(state.positions);
     const SimulationDesc& options = model.scene.simulation;
     if (options.contact == ContactKind::penalty) {
         energy += ColliderContactEnergy(model.scene.colliders, state.collider_on, state.positions,
-                                        options.contact_stiffness, model.time_step, options.sliding_speed)
+                                        options.contact_stiffness, model.time_step,
+                                        options.sliding_speed.value_or(1e-3))
                       .value(state.positions);
     }
     for (const auto& term : stage_energies) {
         if (!term->conservative()) continue;
-        term->begin({state.positions, model.time_step, state.time, state});
+        term->begin({{{1.0, state.positions}}, model.time_step, state.time, state});
         energy += term->value(state.positions);
     }
     return energy;
@@ -511,6 +543,13 @@ double total_energy(const Model& model, const State& state) {
 StepReport advance(const Model& model, State& state, Workspace& w) {
     apply_events(model, state);
     update_drags(model.scene.drags, state.time, state.positions, model.triangles, state.drags);
+
+    if (w.contact && w.checked != state.collider_on) {
+        const auto there = placements_at(model.scene.colliders, state.time);
+        w.contact->begin(state.positions, state.positions, model.time_step, there, there, state.collider_on);
+        require_no_overlap(model, *w.contact, state.positions);
+        w.checked = state.collider_on;
+    }
 
     StepReport report;
     report.energy_before = stored_energy(model, state, w.stage_energies);

@@ -2,9 +2,12 @@
 // One time step.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "sim/barrier_contact.h"
 #include "sim/block_matrix.h"
+#include "sim/contact_solver.h"
 #include "sim/model.h"
 #include "sim/pins.h"
 #include "sim/sparse_solver.h"
@@ -25,6 +28,9 @@ struct Workspace {
         blended_system;       ///< the same with other kinds of H, where the first is indefinite
     bool indefinite = false;  ///< the exact system was, when it was last looked at
     std::vector<std::unique_ptr<StageEnergy>> stage_energies;
+    std::optional<BarrierContact> contact;  ///< of contact = "barrier"
+    ContactWorkspace contact_work;
+    std::optional<std::vector<std::uint8_t>> checked;  ///< colliders that were on when overlap was checked
     VecX gradient, rhs, velocity, momentum, direction, positions, trial, start;
 };
 
@@ -45,12 +51,16 @@ struct Workspace {
 ///   implicit_euler     base = q, h = dt, y = q + dt v
 ///   implicit_midpoint  base = q, h = dt/2, y = q + h v; then q' = 2x - q
 ///   tr_bdf2            two stages with h = (1 - 1/√2) dt (Bank et al. 1985, Transient simulation of silicon
-///                      devices and circuits): to t + γ dt, γ = 2 - √2, by the trapezoidal rule, base = q + h
+///                      devices and circuits): to t + γ dt, γ = 2 - √2, by the trapezoidal rule, base = q,
 ///                      v, y = q + 2h v, f = -∇V(q); then by BDF2, base = c₁ q_γ - c₀ q, y = base + h (c₁ v_γ
-///                      - c₀ v), c₁ = 1/(γ(2-γ)), c₀ = (1-γ)²/(γ(2-γ)).
+///                      - c₀ v), c₁ = 1/(γ(2-γ)), c₀ = (1-γ)²/(γ(2-γ)). The first stage takes dissipation
+///                      (viscosity, air) at its mean velocity (x - q)/(2h), and twice.
 ///
 /// A step that does not converge is undone and made in two halves, each of which may be halved in turn; past
 /// `retries` halvings the state is left as it was and the report says converged = false.
+///
+/// With contact = "barrier" the stages are minimised by contact_solver.h; a step that starts with an overlap
+/// (the first, or one before which a collider was switched) throws OverlapError.
 StepReport advance(const Model& model, State& state, Workspace& workspace);
 
 /// ½ q̇ᵀMq̇ + V(q), drags and penalty contact included [J].

@@ -52,7 +52,8 @@ void validate_simulation(const SimulationDesc& s) {
                 "is " + std::to_string(*s.substeps) + "; must be 1 … 1000000");
     }
     require_positive(s.contact_stiffness, "simulation.contact_stiffness", "N/m");
-    require_positive(s.sliding_speed, "simulation.sliding_speed", "m/s");
+    if (s.sliding_speed) require_positive(*s.sliding_speed, "simulation.sliding_speed", "m/s");
+    require_positive(s.contact_activation, "simulation.contact_activation", "m");
     require(s.newton_iterations >= 1, "simulation.newton_iterations",
             "is " + std::to_string(s.newton_iterations) + "; must be at least 1");
     require(s.retries >= 0 && s.retries <= 20, "simulation.retries",
@@ -120,6 +121,10 @@ void validate_integrators(const Scene& scene) {
         midpoint = midpoint || e.integrator == IntegratorKind::implicit_midpoint;
     }
     if (!linear && !midpoint) return;
+    require(
+        scene.simulation.contact != ContactKind::barrier, "simulation.contact",
+        "is \"barrier\", which needs integrator = \"implicit_euler\" or \"tr_bdf2\" throughout: the others "
+        "end a step where nothing has looked for collisions");
     for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
         require(!scene.cloths[i].fabric.strain_limit, item("cloth", i, "fabric.strain_limit"),
                 "needs integrator = \"implicit_euler\" or \"tr_bdf2\" throughout; set it to 0 to leave the "
@@ -153,13 +158,23 @@ void validate_cloth(const ClothDesc& c, std::size_t i) {
     require_finite(c.transform.rotate, item("cloth", i, "rotate"));
     require_finite(c.transform.translate, item("cloth", i, "translate"));
     require_finite(c.velocity, item("cloth", i, "velocity"));
+    require_positive(c.contact_thickness, item("cloth", i, "contact_thickness"), "m");
     require(std::isfinite(c.bump), item("cloth", i, "bump"), "must be a finite number");
     require_finite(c.warp, item("cloth", i, "warp"));
     require(c.warp.norm() > 0.0, item("cloth", i, "warp"), "is zero; must point along the rest shape");
     validate_fabric(c.fabric, item("cloth", i, "fabric"));
 }
 
-void validate_collider(const ColliderDesc& c, std::size_t i) {
+void validate_motion(const std::vector<MotionKey>& path, const std::string& key) {
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        require_not_negative(path[k].time, key, "s");
+        require_finite(path[k].translate, key);
+        require_finite(path[k].rotate, key);
+        require(k == 0 || path[k].time > path[k - 1].time, key, "has times that do not increase");
+    }
+}
+
+void validate_collider(const ColliderDesc& c, std::size_t i, bool barrier) {
     require_finite(c.center, item("collider", i, "center"));
     require_finite(c.normal, item("collider", i, "normal"));
     require(c.shape != Shape::plane || c.normal.norm() > 0.0, item("collider", i, "normal"),
@@ -174,6 +189,19 @@ void validate_collider(const ColliderDesc& c, std::size_t i) {
                 "stands beside contact_offset; give one of the two");
     }
     require_not_negative(c.friction, item("collider", i, "friction"), "");
+    require_positive(c.height, item("collider", i, "height"), "m");
+    for (int a = 0; a < 3; ++a) require_positive(c.size(a), item("collider", i, "size"), "m");
+    require_positive(c.scale, item("collider", i, "scale"), "");
+    require_finite(c.rotate, item("collider", i, "rotate"));
+    require_finite(c.spin, item("collider", i, "spin"));
+    validate_motion(c.path, item("collider", i, "path"));
+    require(c.shape != Shape::mesh || c.mesh, item("collider", i, "mesh"),
+            "is missing; shape = \"mesh\" needs a file");
+    if (barrier) return;
+    require(c.shape == Shape::sphere || c.shape == Shape::plane, item("collider", i, "shape"),
+            "needs contact = \"barrier\"; the others know spheres and planes");
+    require(c.path.empty() && c.spin.isZero(0.0), item("collider", i, c.path.empty() ? "spin" : "path"),
+            "needs contact = \"barrier\"; the others know colliders at rest");
 }
 
 void validate_selection(const VertexSelection& s, const std::string& key) {
@@ -202,15 +230,6 @@ void validate_selection(const VertexSelection& s, const std::string& key) {
 
 void validate_cloth_index(int cloth, const std::string& key, std::size_t cloths) {
     require(cloth >= 0 && static_cast<std::size_t>(cloth) < cloths, key, "there is no such cloth");
-}
-
-void validate_motion(const std::vector<MotionKey>& path, const std::string& key) {
-    for (std::size_t k = 0; k < path.size(); ++k) {
-        require_not_negative(path[k].time, key, "s");
-        require_finite(path[k].translate, key);
-        require_finite(path[k].rotate, key);
-        require(k == 0 || path[k].time > path[k - 1].time, key, "has times that do not increase");
-    }
 }
 
 void validate_pin(const PinDesc& p, std::size_t i, std::size_t cloths) {
@@ -282,7 +301,9 @@ void validate(const Scene& scene) {
     validate_simulation(scene.simulation);
     require(!scene.cloths.empty(), "cloth", "the scene has no [[cloth]]");
     for (std::size_t i = 0; i < scene.cloths.size(); ++i) validate_cloth(scene.cloths[i], i);
-    for (std::size_t i = 0; i < scene.colliders.size(); ++i) validate_collider(scene.colliders[i], i);
+    const bool barrier = scene.simulation.contact == ContactKind::barrier;
+    for (std::size_t i = 0; i < scene.colliders.size(); ++i)
+        validate_collider(scene.colliders[i], i, barrier);
     for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene.pins[i], i, scene.cloths.size());
     for (std::size_t i = 0; i < scene.seams.size(); ++i) {
         validate_seam(scene.seams[i], i, scene.cloths.size());

@@ -109,21 +109,37 @@ struct ClothDesc {
     /// shape's bounding box, before `transform` [m]; gives a buckling sheet a definite side.
     double bump = 0.0;
     Vec3 warp = Vec3::UnitY();  ///< direction of the warp on the rest shape, any length but zero
+    double contact_thickness =
+        1e-3;  ///< of `barrier`: other things stay half of this away from the sheet [m]
     Fabric fabric;
 };
 
-enum class Shape { sphere, plane };
+enum class Shape { sphere, plane, box, capsule, cylinder, mesh };
 
-/// A fixed body met by the velocity filter.
+/// Where a moving thing stands at a time: turned about a centre, then shifted.
+struct MotionKey {
+    double time = 0.0;              ///< [s]
+    Vec3 translate = Vec3::Zero();  ///< [m]
+    Vec3 rotate = Vec3::Zero();     ///< turns about the fixed x, then y, then z axis [degree]
+};
+
+/// A body that cloth meets. The velocity filter and penalty contact know spheres and planes at rest.
 struct ColliderDesc {
     std::string name = "collider";
     Shape shape = Shape::sphere;
-    Vec3 center = Vec3::Zero();            ///< sphere: centre; plane: a point on it [m]
-    Vec3 normal = Vec3::UnitY();           ///< plane: outward normal, any length but zero
-    double radius = 0.25;                  ///< sphere: radius as drawn [m]
-    double contact_offset = 0.0;           ///< contact begins this far outside the drawn surface [m]
+    Vec3 center = Vec3::Zero();    ///< where the shape's origin stands; plane: a point on it [m]
+    Vec3 normal = Vec3::UnitY();   ///< plane: outward normal, any length but zero
+    double radius = 0.25;          ///< sphere, capsule, cylinder: radius as drawn [m]
+    double height = 0.5;           ///< capsule, cylinder: length of the axis, along y before `rotate` [m]
+    Vec3 size{0.5, 0.5, 0.5};      ///< box: edge lengths [m]
+    std::optional<MeshData> mesh;  ///< mesh: open or closed, any triangles
+    double scale = 1.0;            ///< mesh: applied before `rotate`
+    Vec3 rotate = Vec3::Zero();    ///< box, capsule, cylinder, mesh: about the fixed x, y, z axes [degree]
+    std::vector<MotionKey> path;   ///< moves the body, turning it about `center`; empty: at rest
+    Vec3 spin = Vec3::Zero();     ///< steady turn about `center`, before `path`'s: axis times rate [degree/s]
+    double contact_offset = 0.0;  ///< contact begins this far outside the drawn surface [m]
     std::optional<double> contact_radius;  ///< sphere: contact begins this far from the centre instead [m]
-    double friction = 0.0;  ///< Coulomb coefficient of the velocity filter; 0 as in the assignment
+    double friction = 0.0;  ///< Coulomb coefficient; `barrier` takes the geometric mean with the fabric's
     bool enabled = true;    ///< whether it is on at the start
     bool drawn = true;
 };
@@ -136,13 +152,6 @@ struct VertexSelection {
     std::optional<std::string> greatest;     ///< "x", "y", "z", "-x", …: within tolerance of the extreme
     std::optional<std::string> edge;         ///< of a grid: "left", "right", "bottom", "top"
     double tolerance = 1e-3;                 ///< for `greatest` [m]
-};
-
-/// Where a moving thing stands at a time: turned about a centre, then shifted.
-struct MotionKey {
-    double time = 0.0;              ///< [s]
-    Vec3 translate = Vec3::Zero();  ///< [m]
-    Vec3 rotate = Vec3::Zero();     ///< turns about the fixed x, then y, then z axis [degree]
 };
 
 /// Holds vertices where they start, or moves them along keys.
@@ -222,6 +231,7 @@ enum class HessianKind {
 enum class ContactKind {
     velocity_filter,  ///< the assignment's: filters velocities, leaves positions alone
     penalty,          ///< stiff layer of contact_offset around each collider, solved with the step
+    barrier,          ///< nothing ever passes through anything: cloth, itself and colliders, with friction
 };
 
 struct SimulationDesc {
@@ -234,7 +244,9 @@ struct SimulationDesc {
     HessianKind hessian = HessianKind::assignment;  ///< of linearly_implicit_euler: assignment or projected
     ContactKind contact = ContactKind::velocity_filter;
     double contact_stiffness = 100.0;  ///< of `penalty`, per vertex [N/m]
-    double sliding_speed = 1e-3;       ///< of `penalty`: friction is in full force above this speed [m/s]
+    /// Friction is in full force above this speed [m/s]; default: 1e-3 for `penalty`, 1e-5 for `barrier`.
+    std::optional<double> sliding_speed;
+    double contact_activation = 1e-3;  ///< of `barrier`: gap at which repulsion begins [m]
     int newton_iterations = 50;        ///< most Newton iterations of one solve
     double newton_tolerance = 1e-6;    ///< residual |g| / |g at the step's start| at which Newton stops
     int retries = 6;  ///< times that a step which does not converge is halved before the run stops

@@ -67,6 +67,10 @@ FrameReport Simulation::advance_frame() {
         frame.largest_stretch = s == 0 ? step_report.largest_stretch
                                        : std::max(frame.largest_stretch, step_report.largest_stretch);
         frame.contacts = std::max(frame.contacts, step_report.contacts);
+        frame.smallest_gap = std::min(frame.smallest_gap, step_report.smallest_gap);
+        frame.placements += step_report.placements;
+        frame.cg_iterations += step_report.cg_iterations;
+        frame.factorizations += step_report.factorizations;
         ++frame.steps;
         if (!step_report.converged) {
             frame.non_finite_vertex = step_report.non_finite_vertex;

@@ -1,6 +1,7 @@
 #pragma once
 // The public face of the simulation library.
 
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -20,7 +21,12 @@ struct StepReport {
     double energy_before = 0.0;    ///< kinetic + potential at the step's start [J]
     double energy_after = 0.0;     ///< the same at its end [J]
     double largest_stretch = 1.0;  ///< greatest principal stretch of any triangle at its end
-    int contacts = 0;              ///< vertices in contact with colliders
+    int contacts = 0;              ///< vertices in contact with colliders; of `barrier`: pairs repelled
+    /// Of contact = "barrier": what is left between the nearest pair's surfaces [m]; infinite: none near.
+    double smallest_gap = std::numeric_limits<double>::infinity();
+    int placements = 0;                    ///< of `barrier`: solves that took pins and colliders along
+    int cg_iterations = 0;                 ///< of `barrier`: within the linear solves
+    int factorizations = 0;                ///< of `barrier`
     std::optional<int> worst_vertex;       ///< where a step that did not converge is farthest from balance
     std::optional<int> non_finite_vertex;  ///< the state is no longer usable
 };

@@ -34,6 +34,8 @@ std::vector<FilterContact> find_filter_contacts(const std::vector<ColliderDesc>&
                 }
                 break;
             }
+            default:  // validate() lets the filter meet no others
+                break;
         }
     }
     return contacts;

@@ -6,7 +6,10 @@
 
 #include <Eigen/Dense>
 
+#include "sim/collide.h"
+#include "sim/colliders.h"
 #include "sim/contact.h"
+#include "sim/mesh.h"
 
 namespace cloth {
 namespace {
@@ -29,6 +32,43 @@ std::array<double, 2> eigenvalues(const Mat2& m) {
     const double mean = 0.5 * m.trace(), half = 0.5 * (m(0, 0) - m(1, 1));
     const double root = std::sqrt(std::max(half * half + m(0, 1) * m(1, 0), 0.0));
     return {mean + root, mean - root};
+}
+
+/// Distance of a point from a collider where it stands at the start, negative inside; of a mesh without sign.
+double collider_gap(const ColliderDesc& collider, const MeshData& surface, const Vec3& p) {
+    const auto own = [&] {
+        return Vec3(rotation_matrix(collider.rotate).transpose() * (p - collider.center));
+    };
+    const auto outside = [](const auto& d) {  // of a box or of the rectangle that makes a cylinder
+        return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
+    };
+    switch (collider.shape) {
+        case Shape::capsule: {
+            Vec3 q = own();
+            q.y() -= std::clamp(q.y(), -0.5 * collider.height, 0.5 * collider.height);
+            return q.norm() - collider.radius;
+        }
+        case Shape::box:
+            return outside(Vec3(own().cwiseAbs() - 0.5 * collider.size));
+        case Shape::cylinder: {
+            const Vec3 q = own();
+            return outside(
+                Vec2(std::hypot(q.x(), q.z()) - collider.radius, std::abs(q.y()) - 0.5 * collider.height));
+        }
+        case Shape::mesh: {
+            double least = std::numeric_limits<double>::infinity();
+            for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+                const auto corner = [&](int i) {
+                    return Vec3(surface.positions.row(surface.triangles(t, i)));
+                };
+                least = std::min(least,
+                                 nearest_vertex_face({p, corner(0), corner(1), corner(2)}).distance_squared);
+            }
+            return std::sqrt(least);
+        }
+        default:
+            return nearest_surface(collider, p).distance;
+    }
 }
 
 }  // namespace
@@ -105,9 +145,13 @@ VecX VertexFields::at(VertexField field, const State& state) const {
         values.setConstant(std::numeric_limits<double>::quiet_NaN());
         for (std::size_t c = 0; c < model_.scene.colliders.size(); ++c) {
             if (!state.collider_on[c]) continue;
+            const ColliderDesc& collider = model_.scene.colliders[c];
+            const Placement placement = placement_at(collider, state.time);
+            const MeshData surface = collider.shape == Shape::mesh ? collider_surface(collider) : MeshData();
             for (int i = 0; i < n; ++i) {
-                const double gap =
-                    nearest_surface(model_.scene.colliders[c], state.positions.segment<3>(3 * i)).distance;
+                const Vec3 point = state.positions.segment<3>(3 * i);
+                const Vec3 at_start = placement.rotation.transpose() * (point - placement.translation);
+                const double gap = collider_gap(collider, surface, at_start);
                 if (!(values(i) <= gap)) values(i) = gap;
             }
         }

@@ -125,8 +125,12 @@ MembraneViscosity::MembraneViscosity(std::vector<std::array<int, 3>> triangles, 
 
 void MembraneViscosity::begin(const Stage& stage) {
     h_ = stage.h;
-    parallel_for(elements_.count(),
-                 [&](int t) { base_[t] = green_strain(rest_[t], elements_.gather(stage.base, t)); });
+    parallel_for(elements_.count(), [&](int t) {
+        base_[t].setZero();
+        for (const Stage::Past& past : stage.past) {
+            base_[t] += past.share * green_strain(rest_[t], elements_.gather(past.positions, t));
+        }
+    });
 }
 
 double MembraneViscosity::value(const VecX& x) const {

@@ -1,0 +1,288 @@
+#include "sim/contact_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cloth {
+namespace {
+
+class Minimization {
+  public:
+    Minimization(const ContactProblem& problem, SparseSolver& solver, ContactWorkspace& w,
+                 ContactSolveReport& report)
+        : p_(problem), solver_(solver), w_(w), report_(report), h2_(problem.h * problem.h) {}
+
+    bool run(VecX& x) {
+        const SimulationDesc& options = p_.model.scene.simulation;
+        const double scale = std::max(gradient(x), 1e-2 * p_.model.weight);
+        if (!place(x)) return false;
+        double value = objective(x);
+        w_.trial = x + p_.contact.truncated(x, way_to_guess(x));
+        if (const double guess = objective(w_.trial); guess < value) {
+            x = w_.trial;
+            value = guess;
+        }
+        double norm = gradient(x);
+        const double extent = x.cwiseAbs().maxCoeff();
+        have_factor_ = false;
+        bool converged = norm <= options.newton_tolerance * scale;
+        for (int k = 0; !converged && k < options.newton_iterations; ++k) {
+            if (!direction(x, norm, scale)) break;
+            ++report_.newton_iterations;
+            converged = w_.direction.cwiseAbs().maxCoeff() < 1e-14 * extent;
+            if (converged) break;
+            const double slope = -w_.rhs.dot(w_.direction) / h2_;
+            constexpr double sufficient = 1e-4;
+            w_.start = x;
+            const double rounding = 1e-13 * (std::abs(value) + p_.model.weight * extent);
+            double length = largest_share(w_.start, w_.direction);
+            bool accepted = false;
+            for (int halvings = 0; halvings < 40 && !accepted; ++halvings, length *= 0.5) {
+                x = w_.start + length * w_.direction;
+                const double trial = objective(x);
+                accepted = trial <= value + sufficient * length * slope ||
+                           (trial <= value + rounding && gradient(x) < norm);
+                if (accepted) value = trial;
+            }
+            if (!accepted) {
+                x = w_.start;
+                break;
+            }
+            norm = gradient(x);
+            converged = norm <= options.newton_tolerance * scale;
+        }
+        norm = gradient(x);
+        report_.residual = scale > 0.0 ? norm / scale : 0.0;
+        if (!converged) {
+            Eigen::Index worst = 0;
+            w_.rhs.reshaped(3, w_.rhs.size() / 3).colwise().squaredNorm().maxCoeff(&worst);
+            report_.worst_vertex = static_cast<int>(worst);
+        }
+        return converged;
+    }
+
+  private:
+    double objective(const VecX& at) {
+        w_.residual = at - p_.y;
+        multiply(p_.model.pattern, p_.model.mass, w_.residual, w_.momentum);
+        double value = 0.5 / h2_ * w_.residual.dot(w_.momentum);
+        if (p_.force.size() > 0) value -= p_.force.dot(at);
+        value += p_.potential.value(at);
+        return value + p_.contact.value(at);
+    }
+
+    /// Leaves -h² ∇Φ of the free vertices in rhs; gives |∇Φ|.
+    double gradient(const VecX& at) {
+        w_.gradient.setZero(at.size());
+        p_.potential.gradient(at, w_.gradient);
+        p_.contact.add_gradient(at, w_.gradient);
+        if (p_.force.size() > 0) w_.gradient -= p_.force;
+        w_.residual = at - p_.y;
+        multiply(p_.model.pattern, p_.model.mass, w_.residual, w_.momentum);
+        w_.rhs = -(w_.momentum + h2_ * w_.gradient);
+        zero_pinned(w_.rhs);
+        return w_.rhs.norm() / h2_;
+    }
+
+    void zero_pinned(VecX& v) const {
+        for (const Pin& pin : p_.pins) v.segment<3>(3 * pin.vertex).setZero();
+    }
+
+    void assemble(const VecX& x, HessianKind kind) {
+        w_.system.reset(p_.model.pattern);
+        p_.potential.hessian(x, kind, w_.system);
+        p_.contact.add_hessian(x, HessianKind::projected, w_.system, w_.extra);
+        for (std::size_t s = 0; s < w_.system.blocks.size(); ++s) {
+            w_.system.blocks[s] *= h2_;
+            w_.system.blocks[s].diagonal().array() += p_.model.mass.values[s];
+        }
+        for (Mat3& block : w_.extra.blocks) block *= h2_;
+    }
+
+    bool factorize() {
+        ++report_.factorizations;
+        have_factor_ = solver_.factorize(w_.system);
+        return have_factor_;
+    }
+
+    double largest_share(const VecX& x, const VecX& d) const {
+        double share = 1.0;
+        share = std::min(share, p_.potential.largest_share(x, d));
+        return std::min(share, p_.contact.largest_share(x, d));
+    }
+
+    void apply(const VecX& v, VecX& out) {
+        multiply(p_.model.pattern, w_.system, v, out);
+        w_.extra.add_product(v, out);
+        zero_pinned(out);
+    }
+
+    enum class Cg { converged, slow, indefinite };
+
+    /// Conjugate gradients on A d = rhs from the d given.
+    Cg conjugate_gradients(double tolerance, int most) {
+        VecX &d = w_.direction, &r = w_.residual, &z = w_.preconditioned, &q = w_.conjugate;
+        apply(d, r);
+        r = w_.rhs - r;
+        zero_pinned(r);
+        const double target = tolerance * w_.rhs.norm();
+        double rz = 0.0;
+        for (int k = 0; r.norm() > target; ++k) {
+            if (k == most) return Cg::slow;
+            ++report_.cg_iterations;
+            solver_.solve(r, z);
+            zero_pinned(z);
+            const double rz_new = r.dot(z);
+            if (k == 0) {
+                q = z;
+            } else {
+                q = z + rz_new / rz * q;
+            }
+            rz = rz_new;
+            apply(q, w_.product);
+            const double curvature = q.dot(w_.product);
+            if (!(curvature > 0.0)) return Cg::indefinite;
+            const double length = rz / curvature;
+            d += length * q;
+            r -= length * w_.product;
+        }
+        return Cg::converged;
+    }
+
+    /// Newton direction for -h²∇Φ in rhs.
+    bool direction(const VecX& x, double norm, double scale) {
+        const bool near = norm < 1e-2 * scale;
+        const double tolerance = std::clamp(0.1 * norm / scale, 1e-4, 1e-2);
+        for (bool exact : {true, false}) {
+            if (exact && indefinite_ && !near) continue;
+            assemble(x, exact ? HessianKind::exact : HessianKind::projected);
+            w_.direction.setZero(x.size());
+            if (have_factor_) {
+                const Cg cg = conjugate_gradients(tolerance, most_stale);
+                if (cg == Cg::converged && w_.rhs.dot(w_.direction) > 0.0) return true;
+                if (cg == Cg::indefinite && exact) {
+                    indefinite_ = true;
+                    continue;
+                }
+                if (cg == Cg::indefinite) w_.direction.setZero();
+            }
+            if (!factorize()) {
+                if (!exact) return false;
+                indefinite_ = true;
+                continue;
+            }
+            const Cg cg = conjugate_gradients(tolerance, most_fresh);
+            if (cg == Cg::indefinite) {
+                indefinite_ = true;
+                continue;
+            }
+            if (exact) indefinite_ = false;
+            if (w_.rhs.dot(w_.direction) > 0.0) return true;
+        }
+        return false;
+    }
+
+    /// Where inertia would take x, with the pins where they go.
+    VecX way_to_guess(const VecX& x) const {
+        VecX way = p_.y - x;
+        for (const Pin& pin : p_.pins) {
+            way.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
+        }
+        return way;
+    }
+
+    /// Takes pins and colliders to the stage's end.
+    bool place(VecX& x) {
+        auto pins_placed = [&] {
+            for (const Pin& pin : p_.pins) {
+                if (x.segment<3>(3 * pin.vertex) != pin.position) return false;
+            }
+            return true;
+        };
+        auto set_pins = [&] {
+            for (const Pin& pin : p_.pins) x.segment<3>(3 * pin.vertex) = pin.position;
+        };
+        if (p_.contact.placed() && pins_placed()) return true;
+        const VecX free_way = way_to_guess(x);
+        if (share_placing(x, free_way) == 1.0) {
+            const VecX before = x;
+            x += free_way;
+            set_pins();
+            double value = 0.0;
+            value += p_.potential.value(x);
+            if (std::isfinite(value)) {
+                p_.contact.place(1.0);
+                return true;
+            }
+            x = before;
+        }
+        constexpr int most_placements = 60;
+        for (int k = 0; k < most_placements; ++k) {
+            ++report_.placements;
+            gradient(x);
+            w_.gradient.setZero();
+            p_.contact.add_placing_gradient(x, w_.gradient);
+            w_.rhs -= h2_ * w_.gradient;
+            assemble(x, HessianKind::projected);
+            VecX pin_way = VecX::Zero(x.size());
+            for (const Pin& pin : p_.pins) {
+                pin_way.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
+            }
+            multiply(p_.model.pattern, w_.system, pin_way, w_.product);
+            w_.extra.add_product(pin_way, w_.product);
+            w_.rhs -= w_.product;
+            zero_pinned(w_.rhs);
+            if (!factorize()) return false;
+            w_.direction.setZero(x.size());
+            if (conjugate_gradients(1e-2, most_fresh) == Cg::indefinite) return false;
+            VecX way = w_.direction;
+            for (const Pin& pin : p_.pins) {
+                way.segment<3>(3 * pin.vertex) = pin_way.segment<3>(3 * pin.vertex);
+            }
+            double share = share_placing(x, way);
+            const VecX start = x;
+            x = start + share * way;
+            for (int halvings = 0;; ++halvings) {
+                double value = 0.0;
+                value += p_.potential.value(x);
+                if (std::isfinite(value)) break;
+                if (halvings == 30) return false;
+                share *= 0.5;
+                x = start + share * way;
+            }
+            p_.contact.place(share);
+            if (share == 1.0) {
+                set_pins();
+                return true;
+            }
+        }
+        return false;
+    }
+
+    double share_placing(const VecX& x, const VecX& d) const {
+        double share = 1.0;
+        share = std::min(share, p_.potential.largest_share(x, d));
+        return std::min(share, p_.contact.largest_share_placing(x, d));
+    }
+
+    static constexpr int most_stale = 10;  // about what a factorization costs
+    static constexpr int most_fresh = 200;
+
+    const ContactProblem& p_;
+    SparseSolver& solver_;
+    ContactWorkspace& w_;
+    ContactSolveReport& report_;
+    double h2_;
+    bool have_factor_ = false, indefinite_ = false;
+};
+
+}  // namespace
+
+ContactSolveReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
+                                         ContactWorkspace& w) {
+    ContactSolveReport report;
+    report.converged = Minimization(problem, solver, w, report).run(x);
+    return report;
+}
+
+}  // namespace cloth
