@@ -112,6 +112,8 @@ TEST_CASE("the gap knows every shape, also on its way", "[vertex_fields]") {
         Scene scene = one_sheet();
         scene.cloths[0].grid.resolution = {5, 5};
         scene.colliders = {collider};
+        scene.simulation.contact = ContactKind::barrier;
+        scene.simulation.integrator = IntegratorKind::implicit_euler;
         const Model model = build_model(scene);
         State state = start_state(model);
         state.time = time;
