@@ -24,6 +24,7 @@
 #include "pipeline/file_io.h"
 #include "pipeline/golden.h"
 #include "pipeline/run.h"
+#include "pipeline/sheet.h"
 #include "pipeline/state_store.h"
 #include "pipeline/video.h"
 #include "render/rasterizer.h"
@@ -44,6 +45,12 @@ struct Arguments {
     std::string scene, frames, out, size, fps, threads, frame, format, file, golden, what, name, gamma,
         resolution, fabric, plots, gl = "auto";
     std::vector<std::string> set;
+    // Over the pictures
+    std::string shade, shade_range, ids, curves, motion_blur;
+    bool caption = false, wireframe = false;
+    // Several pictures in one
+    std::string count, columns, labels;
+    std::vector<std::string> runs;
     bool quiet = false, no_video = false, version = false, sources = false, markdown = false;
 };
 
@@ -104,6 +111,88 @@ FrameSpan frame_span(const std::string& text) {
     return {*first, *last};
 }
 
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+        end = text.find(separator, begin);
+        parts.push_back(text.substr(begin, end - begin));
+    }
+    return parts;
+}
+
+/// Finite numbers, separated; nothing where there is anything else.
+std::optional<std::vector<double>> numbers(const std::string& text, char separator) {
+    std::vector<double> values;
+    for (const std::string& part : split(text, separator)) {
+        const auto value = number<double>(part);
+        if (!value || !std::isfinite(*value)) return std::nullopt;
+        values.push_back(*value);
+    }
+    return values;
+}
+
+template <class Names>
+std::string name_list(const Names& names) {
+    std::string text;
+    for (const auto& each : names) text += fmt::format("{}{}", text.empty() ? "" : ", ", each.name);
+    return text;
+}
+
+template <class Names>
+bool known(const Names& names, const std::string& name) {
+    return std::any_of(std::begin(names), std::end(names), [&](const auto& n) { return name == n.name; });
+}
+
+/// What is drawn over the pictures, as --set lines.
+void append_annotation(const Arguments& args, Overrides& list) {
+    if (args.caption) list.push_back("output.caption=true");
+    if (!args.shade.empty()) {
+        if (!known(vertex_field_names(), args.shade))
+            refuse(fmt::format("--shade {}: give one of {}", args.shade, name_list(vertex_field_names())));
+        list.push_back("output.shade=" + args.shade);
+    }
+    if (!args.shade_range.empty()) {
+        const auto ends = numbers(args.shade_range, ':');
+        if (!ends || ends->size() != 2 || !((*ends)[0] < (*ends)[1]))
+            refuse(fmt::format("--shade-range {}: give LOW:HIGH, as in 0.95:1.05", args.shade_range));
+        list.push_back(fmt::format("output.shade_range=[{:#}, {:#}]", (*ends)[0], (*ends)[1]));
+    }
+    if (args.wireframe) list.push_back("output.wireframe=true");
+    if (!args.ids.empty()) {
+        const auto place = numbers(args.ids, ',');
+        if (!place || (place->size() != 2 && place->size() != 3) ||
+            (place->size() == 3 && !((*place)[2] > 0)))
+            refuse(fmt::format(
+                "--ids {}: give X,Y or X,Y,RADIUS of a place in the picture, in pixels from its top "
+                "left corner",
+                args.ids));
+        list.push_back(fmt::format("output.ids=[{:#}]", fmt::join(*place, ", ")));
+    }
+    if (!args.curves.empty()) {
+        std::string names;
+        for (const std::string& each : split(args.curves, ',')) {
+            if (!known(curve_names, each))
+                refuse(fmt::format("--curves {}: \"{}\" is none of {}", args.curves, each,
+                                   name_list(curve_names)));
+            names += (names.empty() ? "\"" : ", \"") + each + '"';
+        }
+        list.push_back("output.curves=[" + names + "]");
+    }
+    if (!args.motion_blur.empty()) {
+        const auto n = number<int>(args.motion_blur);
+        if (!n || *n < 1 || *n > 64)
+            refuse(fmt::format("--motion-blur {}: give a number of pictures, 1 … 64", args.motion_blur));
+        list.push_back(fmt::format("output.motion_blur={}", *n));
+    }
+}
+
+int small_count(const char* flag, const std::string& text, int fallback) {
+    if (text.empty()) return fallback;
+    const auto n = number<int>(text);
+    if (!n || *n < 1 || *n > 1000) refuse(fmt::format("{} {}: give a whole number, 1 … 1000", flag, text));
+    return *n;
+}
+
 // ---------------------------------------------------------------- progress
 
 std::atomic<bool> stop_wanted = false;
@@ -130,7 +219,9 @@ class ProgressLine {
     ~ProgressLine() { clear(); }
 
     void show(const Progress& progress) {
-        const std::int64_t done = pictures_ ? progress.written : progress.simulated;
+        // Where the pictures come after the simulation, that is what there is to tell of first.
+        const bool simulating = pictures_ && progress.drawn == 0 && progress.simulated > 3;
+        const std::int64_t done = pictures_ && !simulating ? progress.written : progress.simulated;
         const auto now = std::chrono::steady_clock::now();
         const bool last = done == progress.frames;
         if (now - shown_ < std::chrono::duration<double>(terminal_ ? 0.1 : 5.0) && !(last && terminal_))
@@ -138,7 +229,8 @@ class ProgressLine {
         shown_ = now;
         const double seconds = std::chrono::duration<double>(now - start_).count();
         const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
-        std::string text = fmt::format("{}/{} frames, {:.1f} frames/s", done, progress.frames, rate);
+        std::string text = fmt::format("{}/{} frames{}, {:.1f} frames/s", done, progress.frames,
+                                       simulating ? " simulated" : "", rate);
         if (rate > 0) text += ", " + clock_text(static_cast<double>(progress.frames - done) / rate) + " left";
         if (terminal_) {
             constexpr std::int64_t width = 30;
@@ -184,6 +276,7 @@ Overrides overrides(const Arguments& args) {
         const auto [width, height] = picture_size(args.size);
         list.push_back(fmt::format("output.size=[{}, {}]", width, height));
     }
+    append_annotation(args, list);
     return list;
 }
 
@@ -254,22 +347,24 @@ ExitCode conclude(const RunSummary& summary, const fs::path& out) {
     return ExitCode::good;
 }
 
+/// What `work` returns, its progress shown while it goes on.
+template <class Work>
+auto watched(const Arguments& args, bool pictures, Work work) {
+    watch_signals();  // here only: elsewhere nothing asks whether to stop
+    ProgressLine line(pictures);
+    RunOptions options;
+    options.pictures = pictures;
+    options.movie = pictures && !args.no_video;
+    options.threads = thread_count(args.threads);
+    options.gl = gl_library(args.gl);
+    options.stop = &stop_wanted;
+    if (!args.quiet) options.progress = [&](const Progress& progress) { line.show(progress); };
+    return work(options);
+}
+
 template <class Work>
 ExitCode with_progress(const Arguments& args, bool pictures, const fs::path& out, Work work) {
-    RunSummary summary;
-    watch_signals();  // here only: elsewhere nothing asks whether to stop
-    {
-        ProgressLine line(pictures);
-        RunOptions options;
-        options.pictures = pictures;
-        options.movie = pictures && !args.no_video;
-        options.threads = thread_count(args.threads);
-        options.gl = gl_library(args.gl);
-        options.stop = &stop_wanted;
-        if (!args.quiet) options.progress = [&](const Progress& progress) { line.show(progress); };
-        summary = work(options);
-    }
-    return conclude(summary, out);
+    return conclude(watched(args, pictures, work), out);
 }
 
 ExitCode run(const Arguments& args, bool pictures) {
@@ -295,6 +390,60 @@ ExitCode encode(const Arguments& args) {
     return with_progress(args, true, out, [&](const RunOptions& options) {
         return encode_run(out, redraw_overrides(args), options);
     });
+}
+
+/// Of a run's folder, or of a scene that is simulated first.
+ExitCode sheet(const Arguments& args) {
+    SheetOptions wanted;
+    wanted.count = small_count("--count", args.count, wanted.count);
+    wanted.columns = small_count("--columns", args.columns, wanted.columns);
+    wanted.own_size = !args.size.empty();
+    thread_count(args.threads);
+    fs::path out = args.out;
+    Overrides list;
+    if (args.scene.empty()) {
+        if (args.out.empty())
+            refuse("--out is missing: give the folder of a run, or a scene to simulate with --scene");
+        if (!args.frames.empty()) wanted.span = frame_span(args.frames);
+        list = redraw_overrides(args);
+    } else {
+        const SceneFile file = scene_for(args);
+        out = output_folder(args, file);
+        conclude(
+            watched(args, false, [&](const RunOptions& options) { return run_scene(file, out, options); }),
+            out);
+    }
+    const fs::path png = args.file.empty() ? RunFolder::open(out).sheet() : fs::path(args.file);
+    const SheetSummary made = watched(
+        args, true, [&](const RunOptions& options) { return write_sheet(out, png, wanted, list, options); });
+    fmt::print("{} in {}x{} pixels: {}\n", plural(made.pictures, "picture"), made.width, made.height,
+               made.file.string());
+    return ExitCode::good;
+}
+
+ExitCode compare_video(const Arguments& args) {
+    if (args.runs.size() != 2)
+        refuse(
+            "compare-video: give the folders of two runs, as in render_cloth compare-video out/a out/b "
+            "--file "
+            "ab.mp4");
+    if (args.file.empty()) refuse("--file is missing: give the movie to write, as in ab.mp4");
+    if (fs::path(args.file).extension() != ".mp4")
+        refuse(fmt::format("--file {}: give a name.mp4", args.file));
+    std::array<std::string, 2> labels{args.runs[0], args.runs[1]};
+    if (!args.labels.empty()) {
+        const auto given = split(args.labels, ',');
+        if (given.size() != 2)
+            refuse(fmt::format("--labels {}: give two texts, as in before,after", args.labels));
+        labels = {given[0], given[1]};
+    }
+    const ComparisonSummary made = watched(args, true, [&](const RunOptions& options) {
+        return write_comparison({args.runs[0], args.runs[1]}, args.file, labels, redraw_overrides(args),
+                                options);
+    });
+    fmt::print("{} of {}x{} at {:g} frames/s: {}\n", plural(made.frames, "frame"), made.width, made.height,
+               made.playback_rate, args.file);
+    return ExitCode::good;
 }
 
 ExitCode export_mesh(const Arguments& args) {
@@ -353,8 +502,14 @@ ExitCode list(const Arguments& args) {
                 "NAME\n");
         return ExitCode::good;
     }
-    if (args.what != "scenes") refuse(fmt::format("list {}: give scenes or fabrics", args.what));
-    if (!args.name.empty() || args.sources) refuse("list scenes takes no name and no --sources; fabrics do");
+    if (args.what != "scenes" && args.what != "keys")
+        refuse(fmt::format("list {}: give scenes, fabrics or keys", args.what));
+    if (!args.name.empty() || args.sources)
+        refuse(fmt::format("list {} takes no name and no --sources; fabrics do", args.what));
+    if (args.what == "keys") {
+        fmt::print("{}", key_reference());
+        return ExitCode::good;
+    }
     for (const auto& [name, description] : list_scenes()) fmt::print("{:<16}{}\n", name, description);
     return ExitCode::good;
 }
@@ -475,6 +630,18 @@ void add_common_flags(CLI::App& app, Arguments& args) {
     app.add_flag("--no-video", args.no_video, "Pictures only, no MP4");
 }
 
+void add_annotation_flags(CLI::App& app, Arguments& args) {
+    app.add_flag("--caption", args.caption, "Scene, time and frame in the picture");
+    app.add_option("--shade", args.shade, "Colours for " + name_list(vertex_field_names()))
+        ->type_name("WHAT");
+    app.add_option("--shade-range", args.shade_range, "Ends of the colours (default: of the whole run)")
+        ->type_name("LOW:HIGH");
+    app.add_flag("--wireframe", args.wireframe, "The edges of the simulated triangles");
+    app.add_option("--ids", args.ids, "Vertex and triangle numbers at a pixel")->type_name("X,Y[,R]");
+    app.add_option("--curves", args.curves, "Draw curves of " + name_list(curve_names))->type_name("A,B,…");
+    app.add_option("--motion-blur", args.motion_blur, "Each frame is the mean of K pictures")->type_name("K");
+}
+
 ExitCode dispatch(int argc, char** argv) {
     Arguments args;
     CLI::App app("Simulates cloth, draws every frame, and makes a movie of it.", "render_cloth");
@@ -483,6 +650,7 @@ ExitCode dispatch(int argc, char** argv) {
     app.add_flag("--version", args.version, "Version, compiler, build fingerprint, GL renderer");
     add_run_flags(app, args);
     add_common_flags(app, args);
+    add_annotation_flags(app, args);
 
     const auto verb = [&](const char* name, const char* what) { return app.add_subcommand(name, what); };
     CLI::App* run_verb = verb("run", "Simulate, draw and encode (the default)");
@@ -492,9 +660,12 @@ ExitCode dispatch(int argc, char** argv) {
     CLI::App* export_verb = verb("export", "A kept frame's state as a mesh file");
     CLI::App* compare_verb = verb("compare", "Run a scene and compare with its golden frames");
     CLI::App* bless_verb = verb("bless", "Run a scene and renew its golden frames");
-    CLI::App* list_verb = verb("list", "The scenes, or the fabrics and their values");
+    CLI::App* sheet_verb = verb("sheet", "Pictures of a run, or of a scene, in one PNG");
+    CLI::App* compare_video_verb = verb("compare-video", "Two runs beside each other in one movie");
+    CLI::App* list_verb = verb("list", "The scenes, the fabrics, or the keys of scene files");
     args.what = "scenes";
-    list_verb->add_option("what", args.what, "scenes (the default) or fabrics")->type_name("scenes|fabrics");
+    list_verb->add_option("what", args.what, "scenes (the default), fabrics or keys")
+        ->type_name("scenes|fabrics|keys");
     list_verb->add_option("name", args.name, "One fabric with the sources of its values")->type_name("NAME");
     list_verb->add_flag("--sources", args.sources, "Fabrics with the sources of all values");
     CLI::App* validate_verb = verb("validate", "Check the physics against theory: a table and plots");
@@ -507,10 +678,23 @@ ExitCode dispatch(int argc, char** argv) {
         ->type_name("DIR");
     validate_verb->add_flag("--markdown", args.markdown, "The table in Markdown");
     validate_verb->add_flag("--quiet", args.quiet, "No progress");
-    for (CLI::App* each : {run_verb, simulate_verb}) {
+    for (CLI::App* each : {run_verb, simulate_verb, sheet_verb}) {
         add_run_flags(*each, args);
         add_common_flags(*each, args);
     }
+    for (CLI::App* each : {run_verb, render_verb, sheet_verb, compare_video_verb})
+        add_annotation_flags(*each, args);
+    sheet_verb->add_option("--count", args.count, "Number of pictures (default: 12)")->type_name("N");
+    sheet_verb->add_option("--columns", args.columns, "Pictures a row")->type_name("N");
+    sheet_verb->add_option("--file", args.file, "The PNG (default: sheet.png in the run's folder)")
+        ->type_name("F");
+    compare_video_verb->add_option("runs", args.runs, "Folders of two runs")->type_name("A B");
+    compare_video_verb->add_option("--file", args.file, "The MP4")->type_name("F");
+    compare_video_verb->add_option("--labels", args.labels, "Texts at the top (default: the folders)")
+        ->type_name("A,B");
+    compare_video_verb->add_option("--size", args.size, "Size of each run's pictures")->type_name("WxH");
+    compare_video_verb->add_option("--fps", args.fps, "Frames per second of the movie")->type_name("F");
+    add_common_flags(*compare_video_verb, args);
     for (CLI::App* each : {render_verb, encode_verb}) {
         each->add_option("--out", args.out, "Folder of the run")->type_name("DIR");
         each->add_option("--fps", args.fps, "Frames per second of the movie")->type_name("F");
@@ -548,7 +732,8 @@ ExitCode dispatch(int argc, char** argv) {
             refuse("unknown option " + extra.front() + "; see render_cloth --help");
         if (app.get_subcommands().empty())
             refuse("unknown verb \"" + extra.front() +
-                   "\"; known: run, simulate, render, encode, export, compare, bless, list, validate");
+                   "\"; known: run, simulate, render, encode, sheet, compare-video, export, compare, bless, "
+                   "list, validate");
         refuse("unexpected argument \"" + extra.front() + "\"; see render_cloth --help");
     }
     for (const char* name : {"compare", "bless"})
@@ -558,6 +743,8 @@ ExitCode dispatch(int argc, char** argv) {
     if (args.version) return version(args);
     if (*list_verb) return list(args);
     if (*validate_verb) return validate_physics(args);
+    if (*sheet_verb) return sheet(args);
+    if (*compare_video_verb) return compare_video(args);
     if (*render_verb) return render(args);
     if (*encode_verb) return encode(args);
     if (*export_verb) return export_mesh(args);

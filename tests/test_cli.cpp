@@ -130,7 +130,7 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"simulate", {"--scene is missing"}},
         {"frobnicate", {"unknown verb \"frobnicate\"", "simulate", "compare"}},
         {"simulate sheet.toml", {"unexpected argument \"sheet.toml\""}},
-        {"list clothes", {"list clothes: give scenes or fabrics"}},
+        {"list clothes", {"list clothes: give scenes, fabrics or keys"}},
         {"list fabrics coton", {"no fabric \"coton\"; did you mean \"cotton\"?", "known: cotton, denim"}},
         {"list scenes drape_sphere", {"list scenes takes no name"}},
         {"list --sources", {"no --sources"}},
@@ -171,6 +171,25 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"export --out o --frame x --format obj --file f", {"--frame x", "whole number"}},
         {"export --out o --frame 1 --format stl --file f", {"--format stl", "obj or ply"}},
         {"export --out o --frame 1 --format obj", {"--file is missing"}},
+        {"--scene sheet.toml --shade strech",
+         {"--shade strech", "stretch, bending, kinetic, gap, strain_rate"}},
+        {"--scene sheet.toml --shade gap --shade-range 1", {"--shade-range 1", "LOW:HIGH"}},
+        {"--scene sheet.toml --shade gap --shade-range 2:1", {"--shade-range 2:1", "LOW:HIGH"}},
+        {"--scene sheet.toml --ids 3", {"--ids 3", "X,Y or X,Y,RADIUS"}},
+        {"--scene sheet.toml --ids 3,4,0", {"--ids 3,4,0", "X,Y,RADIUS"}},
+        {"--scene sheet.toml --curves energy,heat", {"\"heat\" is none of energy, kinetic, stretch, gap"}},
+        {"--scene sheet.toml --motion-blur 0", {"--motion-blur 0", "1 … 64"}},
+        {"render --out o --shade blue", {"--shade blue", "give one of"}},
+        {"sheet", {"--out is missing", "--scene"}},
+        {"sheet --out o --count 0", {"--count 0", "1 … 1000"}},
+        {"sheet --out o --columns x", {"--columns x", "1 … 1000"}},
+        {"sheet --out o --frames 4", {"--frames 4", "A:B"}},
+        {"compare-video", {"give the folders of two runs", "--file"}},
+        {"compare-video a b c --file f.mp4", {"give the folders of two runs"}},
+        {"compare-video a b", {"--file is missing"}},
+        {"compare-video a b --file f.png", {"--file f.png", "name.mp4"}},
+        {"compare-video a b --file f.mp4 --labels one", {"--labels one", "two texts"}},
+        {"list nothing", {"list nothing", "keys"}},
         {"compare", {"compare: the scene is missing", "render_cloth compare"}},
         {"bless", {"bless: the scene is missing"}},
     };
@@ -492,6 +511,79 @@ TEST_CASE("pictures are drawn again from kept states, without the scene and mesh
     }
 }
 
+TEST_CASE("a contact sheet holds pictures of a run or of a scene", "[cli]") {
+    const Workplace place;
+    REQUIRE(place.run("simulate " + base + "--frames 9").code == 0);
+    const auto before = place.files("o");
+    const Outcome outcome = place.run("sheet --out o --quiet --count 4 --file s.png");
+    CHECK(outcome.code == 0);
+    CHECK_THAT(outcome.out, Contains("4 pictures in ") && Contains("s.png"));
+    CHECK(place.files("o") == before);
+    const render::Image sheet = render::read_png(place / "s.png");
+    CHECK(sheet.width > 2 * 64);
+    CHECK(sheet.width < 2 * 64 + 30);
+    CHECK(sheet.height > 2 * 48);
+    // Four in a row are half as high.
+    CHECK(place.run("sheet --out o --quiet --count 4 --columns 4 --file row.png").code == 0);
+    CHECK(render::read_png(place / "row.png").height < 48 + 40);
+    check_refusal(place.run("sheet --out o --frames 5:20"), 2, {"--frames 5:20", "kept: 9 frames"});
+    check_refusal(place.run("sheet --out nowhere"), 1, {"nowhere: holds no run"});
+
+    const Outcome scene = place.run("sheet --scene sheet.toml --frames 3 --quiet");
+    CHECK(scene.code == 0);
+    CHECK(fs::exists(place / "out/sheet/sheet.png"));
+    // The next run into that folder takes it away: it would show another run.
+    CHECK(place.run("simulate --scene sheet.toml --frames 2 --quiet").code == 0);
+    CHECK_FALSE(fs::exists(place / "out/sheet/sheet.png"));
+}
+
+TEST_CASE("two runs stand beside each other in one movie", "[cli]") {
+    const Workplace place;
+    REQUIRE(place.run("simulate --scene sheet.toml --out a --quiet --frames 6").code == 0);
+    REQUIRE(
+        place.run("simulate --scene sheet.toml --out b --quiet --frames 9 --set cloth.resolution=8").code ==
+        0);
+    const Outcome outcome = place.run(
+        "compare-video a b --file ab.mp4 --size 128x96 --labels fine,coarse --shade gap --caption --quiet");
+    CHECK(outcome.code == 0);
+    CHECK(outcome.err.empty());
+    CHECK_THAT(outcome.out, Contains("6 frames of 258x96 at 60 frames/s: ab.mp4"));
+    CHECK(fs::exists(place / "ab.mp4"));
+    CHECK_FALSE(fs::exists(place / "a/a.mp4"));
+    check_refusal(place.run("compare-video a nowhere --file x.mp4"), 1, {"nowhere: holds no run"});
+    CHECK_FALSE(fs::exists(place / "x.mp4"));
+}
+
+TEST_CASE("pictures that know the whole run are the same at once and redrawn, whole and in parts", "[cli]") {
+    const Workplace place;
+    const std::string wanted =
+        "--shade stretch --curves energy,gap,iterations --caption --wireframe --motion-blur 2 --size 320x240 "
+        "--set 'camera.frame=\"auto\"' --set camera.turntable=30 --quiet ";
+    REQUIRE(place.run("--scene sheet.toml --frames 6 --out a " + wanted).code == 0);
+    CHECK(fs::exists(place / "a/sheet.mp4"));
+    const auto report = report_of(place, "a");
+    CHECK(report["outcome"] == "complete");
+    CHECK(report["output"]["images"] == 6);
+    REQUIRE(place.run("simulate --scene sheet.toml --frames 6 --out b --quiet").code == 0);
+    REQUIRE(place.run("render --out b --frames 3:5 " + wanted).code == 0);
+    for (const char* name : {"frames/frame_000003.png", "frames/frame_000004.png"})
+        CHECK(slurp(place / "a" / name) == slurp(place / "b" / name));
+    // And differ from plain ones, which are as ever.
+    REQUIRE(place.run("render --out b --frames 3:5 --size 320x240 --quiet").code == 0);
+    CHECK(slurp(place / "a/frames/frame_000003.png") != slurp(place / "b/frames/frame_000003.png"));
+}
+
+TEST_CASE("a run that diverges is still drawn up to its last good frame, with its colours", "[cli]") {
+    const Workplace place;
+    const Outcome outcome =
+        place.run(base + "--frames 30 --set simulation.gravity=[0,-1e307,0] --shade stretch");
+    CHECK(outcome.code == 4);
+    const auto run = pipeline::RunFolder::open(place / "o");
+    CHECK_FALSE(run.kept_states().empty());
+    CHECK(run.kept_images() == run.kept_states());
+    CHECK_FALSE(fs::exists(place / "o/sheet.mp4"));
+}
+
 TEST_CASE("an exported frame has every digit of its state", "[cli]") {
     const Workplace place;
     REQUIRE(place.run("simulate " + base + "--frames 4").code == 0);
@@ -590,10 +682,14 @@ TEST_CASE("the program tells of itself", "[cli]") {
     for (const char* part : {"--scene", "--frames", "--set", "--no-video", "simulate", "render", "export",
                              "compare", "bless", "list"})
         CHECK_THAT(help.out, Contains(part));
-    for (const char* verb : {"run", "simulate", "render", "encode", "export", "compare", "bless", "list"})
+    for (const char* verb : {"run", "simulate", "render", "encode", "export", "compare", "bless", "list",
+                             "sheet", "compare-video"})
         CHECK(place.run(std::string(verb) + " --help").code == 0);
     const Outcome list = place.run("list");
     CHECK(list.code == 0);
+    const Outcome keys = place.run("list keys");
+    CHECK(keys.code == 0);
+    CHECK_THAT(keys.out, Contains("[[collider]]") && Contains("  contact_offset     number [m]"));
     for (const char* scene : {"seed_sheet", "seed_kick", "seed_drag", "drape_sphere", "hanging_sheet"})
         CHECK_THAT(list.out, Contains(scene));
     CHECK(place.run("list scenes").out == list.out);

@@ -20,6 +20,8 @@ class FrameBuilder {
     /// Cloth, subdivided as its look says, with smooth area-weighted normals, colliders that are on, then the
     /// cloths' rims; ground. Valid until the next call.
     render::Frame build(const State& state);
+    /// How the surface of a cloth, the frame's surface of that index, follows from the simulated vertices.
+    const Subdivision& subdivision(std::size_t cloth) const { return subdivisions_.at(cloth); }
 
   private:
     struct Mesh {

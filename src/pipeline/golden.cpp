@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "pipeline/camera.h"
 #include "pipeline/error.h"
 #include "pipeline/file_io.h"
 #include "pipeline/frame_builder.h"
@@ -269,7 +270,10 @@ struct Session {
     }
     Session(const Session&) = delete;  // the builder refers to the file
 
-    render::Image draw(const State& state) { return rasterizer.draw(builder.build(state), file.view); }
+    render::Image draw(const State& state) {
+        if (moves(file.camera)) aim(file.view, file.camera, state.time);
+        return rasterizer.draw(builder.build(state), file.view);
+    }
     bool fits(const State& state) const {
         return state.positions.size() == simulation.state().positions.size() &&
                state.collider_on.size() == simulation.state().collider_on.size();

@@ -19,8 +19,9 @@
 
 #include "pipeline/error.h"
 #include "pipeline/file_io.h"
-#include "pipeline/frame_builder.h"
+#include "pipeline/picture.h"
 #include "pipeline/state_store.h"
+#include "pipeline/survey.h"
 #include "pipeline/video.h"
 #include "render/rasterizer.h"
 
@@ -297,17 +298,20 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
     auto frames = nlohmann::ordered_json::array();
     for (const FrameRecord& record : summary.records) {
         const FrameReport& r = record.report;
-        frames.push_back({{"frame", r.frame},
-                          {"steps", r.steps},
-                          {"converged", r.converged},
-                          {"iterations", r.iterations},
-                          {"residual", r.residual},
-                          {"retries", r.retries},
-                          {"energy_before_J", r.energy_before},
-                          {"energy_after_J", r.energy_after},
-                          {"largest_stretch", r.largest_stretch},
-                          {"contacts", r.contacts},
-                          {"state_hash", record.state_hash}});
+        frames.push_back(
+            {{"frame", r.frame},
+             {"steps", r.steps},
+             {"converged", r.converged},
+             {"iterations", r.iterations},
+             {"residual", r.residual},
+             {"retries", r.retries},
+             {"energy_before_J", r.energy_before},
+             {"energy_after_J", r.energy_after},
+             {"largest_stretch", r.largest_stretch},
+             {"smallest_gap_m", std::isfinite(r.smallest_gap) ? nlohmann::ordered_json(r.smallest_gap)
+                                                              : nlohmann::ordered_json()},
+             {"contacts", r.contacts},
+             {"state_hash", record.state_hash}});
     }
     report["frames"] = std::move(frames);
     write_file(folder.report(), report.dump(1) + "\n");
@@ -338,6 +342,20 @@ std::string outcome_of(const RunSummary& summary, const std::exception_ptr& fail
             return e.what();
         }
     return summary.interrupted ? "interrupted" : "complete";
+}
+
+/// Brings kept states to the stages.
+std::function<void(Stages&)> state_producer(const RunFolder& folder, std::vector<std::int64_t> frames,
+                                            RunSummary& summary) {
+    return [&folder, frames = std::move(frames), &summary](Stages& stages) {
+        for (const std::int64_t frame : frames) {
+            if (stages.stopping()) return;
+            const Stopwatch watch;
+            auto state = std::make_shared<State>(read_state(folder.state(frame)));
+            summary.times.store += watch.seconds();
+            if (!stages.deliver(std::move(state))) return;
+        }
+    };
 }
 
 VideoOptions video_options(const SceneFile& file, const RunOptions& options) {
@@ -373,7 +391,6 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
     if (movie_wanted) summary.encoder = ffmpeg_version();
     Simulation simulation(file.scene, options.threads);
     const Model& model = simulation.model();
-    FrameBuilder builder(file, model);
     std::optional<render::Rasterizer> rasterizer;
     if (options.pictures) {
         rasterizer.emplace(options.threads, options.gl);
@@ -439,17 +456,45 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
         }
     };
     std::optional<VideoWriter> movie;
-    if (movie_wanted)
-        movie.emplace(folder.movie(file.name), summary.width, summary.height, video_options(file, options));
-    std::function<render::Image(const State&)> draw;
-    if (rasterizer)
-        draw = [&](const State& state) { return rasterizer->draw(builder.build(state), file.view); };
-
-    Stages stages(folder, options, summary);
-    const std::exception_ptr failure = stages.run(simulate, draw, movie ? &*movie : nullptr);
+    const auto open_movie = [&] {
+        if (movie_wanted)
+            movie.emplace(folder.movie(file.name), summary.width, summary.height,
+                          video_options(file, options));
+    };
+    std::optional<PictureMaker> pictures;
+    const auto draw = [&](const State& state) { return pictures->draw(state); };
+    // Pictures that have to know of the whole run are drawn after it, all others while it is simulated.
+    const bool afterwards = rasterizer && needs_whole_run(file);
+    if (rasterizer && !afterwards) {
+        open_movie();
+        pictures.emplace(file, model, facts_of(file), *rasterizer);
+    }
+    std::exception_ptr failure;
+    bool stopped = false;
+    {
+        Stages stages(folder, options, summary);
+        failure = pictures ? stages.run(simulate, draw, movie ? &*movie : nullptr)
+                           : stages.run(simulate, {}, nullptr);
+        stopped = stages.stopping();
+    }
+    if (afterwards && !stopped) try {
+            write_report(folder, file, model, summary, "simulated");  // curves are read from it
+            pictures.emplace(file, model, survey_run(folder, file, model, options.stop), *rasterizer,
+                             state_reader(folder));
+            open_movie();
+            const double simulated = summary.times.wall;
+            Stages stages(folder, options, summary);
+            const auto drawing = stages.run(state_producer(folder, folder.kept_states(), summary), draw,
+                                            movie ? &*movie : nullptr);
+            if (!failure) failure = drawing;
+            summary.times.wall += simulated;
+            stopped = stages.stopping();
+        } catch (...) {
+            if (!failure) failure = std::current_exception();
+        }
     movie.reset();
-    summary.interrupted = stages.stopping() && (summary.states < summary.frames ||
-                                                (options.pictures && summary.images < summary.frames));
+    summary.interrupted =
+        stopped && (summary.states < summary.frames || (options.pictures && summary.images < summary.frames));
     const std::string outcome = outcome_of(summary, failure);
     try {
         write_report(folder, file, model, summary, outcome);
@@ -469,14 +514,6 @@ SceneFile load_run_scene(const fs::path& out, const Overrides& overrides) {
     return file;
 }
 
-namespace {
-
-struct KeptRun {
-    RunFolder folder;
-    SceneFile file;
-    Model model;
-};
-
 KeptRun open_run(const fs::path& out, const Overrides& overrides) {
     SceneFile file = load_run_scene(out, overrides);
     Model model = build_model(file.scene);
@@ -487,6 +524,16 @@ KeptRun open_run(const fs::path& out, const Overrides& overrides) {
             folder.scene().string() + ": its cloth is not the one of the kept states; " + "simulate again");
     return {std::move(folder), std::move(file), std::move(model)};
 }
+
+PictureMaker::StateReader state_reader(const RunFolder& folder) {
+    return [folder](std::int64_t frame) -> std::optional<State> {
+        std::error_code ignored;
+        if (!fs::exists(folder.state(frame), ignored)) return std::nullopt;
+        return read_state(folder.state(frame));
+    };
+}
+
+namespace {
 
 std::string span_text(const std::vector<std::int64_t>& frames) {
     if (frames.empty()) return "none";
@@ -542,29 +589,34 @@ bool complete(const std::vector<std::int64_t>& frames, std::int64_t count) {
 
 }  // namespace
 
+std::vector<std::int64_t> kept_frames(const RunFolder& folder, const std::optional<FrameSpan>& span) {
+    const std::vector<std::int64_t> kept = folder.kept_states();
+    const std::string out = folder.root().string();
+    if (kept.empty()) throw Error(ExitCode::other, out + ": keeps no states to draw");
+    if (!span) return kept;
+    std::vector<std::int64_t> frames;
+    for (std::int64_t frame = span->first; frame < span->last; ++frame) {
+        if (!std::binary_search(kept.begin(), kept.end(), frame))
+            throw Error(ExitCode::usage,
+                        fmt::format("--frames {}:{}: the state of frame {} is not kept in {}; kept: {}",
+                                    span->first, span->last, frame, out, span_text(kept)));
+        frames.push_back(frame);
+    }
+    return frames;
+}
+
 RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span, const Overrides& overrides,
                       const RunOptions& options) {
     const KeptRun run = open_run(out, overrides);
-    const std::vector<std::int64_t> kept = run.folder.kept_states();
-    std::vector<std::int64_t> frames = kept;
-    if (span) {
-        frames.clear();
-        for (std::int64_t frame = span->first; frame < span->last; ++frame) {
-            if (!std::binary_search(kept.begin(), kept.end(), frame))
-                throw Error(ExitCode::usage,
-                            fmt::format("--frames {}:{}: the state of frame {} is not kept in {}; kept: {}",
-                                        span->first, span->last, frame, out.string(), span_text(kept)));
-            frames.push_back(frame);
-        }
-    }
-    if (frames.empty()) throw Error(ExitCode::other, out.string() + ": keeps no states to draw");
+    const std::vector<std::int64_t> frames = kept_frames(run.folder, span);
     RunSummary summary = summary_of(run, static_cast<std::int64_t>(frames.size()));
     const std::int64_t run_frames = run.folder.read_manifest().frames;
     if (options.movie) summary.encoder = ffmpeg_version();
     render::Rasterizer rasterizer(options.threads, options.gl);
     summary.renderer = rasterizer.description();
+    PictureMaker pictures(run.file, run.model, survey_run(run.folder, run.file, run.model, options.stop),
+                          rasterizer, state_reader(run.folder));
     RunFolder::create(out);
-    FrameBuilder builder(run.file, run.model);
 
     // The whole run goes to the encoder while it is drawn; a part of it joins the pictures that are there.
     const bool whole = complete(frames, run_frames);
@@ -572,20 +624,10 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
     if (options.movie && whole)
         movie.emplace(run.folder.movie(run.file.name), summary.width, summary.height,
                       video_options(run.file, options));
-    const auto read = [&](Stages& stages) {
-        for (const std::int64_t frame : frames) {
-            if (stages.stopping()) return;
-            const Stopwatch watch;
-            auto state = std::make_shared<State>(read_state(run.folder.state(frame)));
-            summary.times.store += watch.seconds();
-            if (!stages.deliver(std::move(state))) return;
-        }
-    };
-    const auto draw = [&](const State& state) {
-        return rasterizer.draw(builder.build(state), run.file.view);
-    };
+    const auto draw = [&](const State& state) { return pictures.draw(state); };
     Stages stages(run.folder, options, summary);
-    const std::exception_ptr failure = stages.run(read, draw, movie ? &*movie : nullptr);
+    const std::exception_ptr failure =
+        stages.run(state_producer(run.folder, frames, summary), draw, movie ? &*movie : nullptr);
     movie.reset();
     if (failure) std::rethrow_exception(failure);
     summary.interrupted = stages.stopping() && summary.images < summary.frames;

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "pipeline/mesh_file.h"
+#include "pipeline/picture.h"
 #include "pipeline/scene_file.h"
+#include "pipeline/state_store.h"
 #include "render/gl_library.h"
 #include "sim/simulation.h"
 #include "sim/state.h"
@@ -92,6 +94,18 @@ RunSummary encode_run(const std::filesystem::path& out, const Overrides& overrid
 /// Writes the kept state of `frame` as a mesh, all cloths together. Throws Error(usage) where it is not kept.
 void export_frame(const std::filesystem::path& out, std::int64_t frame, MeshFormat format,
                   const std::filesystem::path& file);
+
+/// A run on disk with what its states belong to.
+struct KeptRun {
+    RunFolder folder;
+    SceneFile file;
+    Model model;
+};
+/// Throws Error(other) where there is none, or where its scene and states do not belong together.
+KeptRun open_run(const std::filesystem::path& out, const Overrides& overrides = {});
+/// The frames of a span, all of which must be kept, or all kept frames. Throws Error(usage).
+std::vector<std::int64_t> kept_frames(const RunFolder& folder, const std::optional<FrameSpan>& span);
+PictureMaker::StateReader state_reader(const RunFolder& folder);
 
 /// The scene whose folder is `out`. Throws Error(other) where it and the kept states do not belong together.
 SceneFile load_run_scene(const std::filesystem::path& out, const Overrides& overrides = {});

@@ -41,6 +41,7 @@ struct BadValue {
     std::string what;
     std::string part{};                          ///< of the key, "[1].time", where a part alone is bad
     std::optional<toml::source_region> place{};  ///< of that part
+    bool unit_said = false;                      ///< whether `what` has the key's unit already
 };
 
 std::string type_name(const toml::node& node) {
@@ -67,7 +68,7 @@ std::string type_name(const toml::node& node) {
 }
 
 std::string digits(double value) {
-    std::string text = fmt::format("{:.17g}", value);
+    std::string text = fmt::format("{}", value);  // the shortest that reads back to the same bits
     // TOML tells a float from an integer by its point or exponent.
     if (text.find_first_of(".en") == text.npos) text += ".0";
     return text;
@@ -219,6 +220,7 @@ struct Value<DragDesc::Key> {
 
 /// One whole number for both directions, or [x, y].
 struct Resolution {
+    static constexpr const char* type = "whole number or [along x, along y]";
     std::array<int, 2> count;
 };
 template <>
@@ -233,6 +235,7 @@ struct Value<Resolution> {
 
 /// A cloth by its name, or by its index counted from 0.
 struct ClothReference {
+    static constexpr const char* type = "name or index";
     std::string name;
     int index = -1;  ///< used where the name is empty
 };
@@ -250,6 +253,7 @@ struct Value<ClothReference> {
 
 /// "640x360" or [640, 360].
 struct PixelSize {
+    static constexpr const char* type = "\"WxH\" or [width, height]";
     int width, height;
 };
 template <>
@@ -284,6 +288,7 @@ struct Value<PixelSize> {
 
 /// sRGB, as "#rrggbb" or [r, g, b] in 0 … 1; kept as it was given, used in linear light.
 struct Color {
+    static constexpr const char* type = "\"#rrggbb\" or [r, g, b]";
     Vec3 srgb;
     render::Float3 linear() const {
         render::Float3 result{};
@@ -363,19 +368,101 @@ struct Field {
     std::string key, unit, help;
     std::function<void(const toml::node&)> read;
     std::function<std::string()> write;  ///< empty text: not set
+    std::string type, range;  ///< for the key reference; no range: any, or checked by the simulation
 };
 using Fields = std::vector<Field>;
 
 template <class T>
+struct ListOf {
+    using Type = void;
+};
+template <class T>
+struct ListOf<std::vector<T>> {
+    using Type = T;
+};
+
+/// What a file has to hold, in words.
+template <class T>
+std::string type_of() {
+    using Entry = typename ListOf<T>::Type;
+    if constexpr (std::is_same_v<T, double> || std::is_same_v<T, float>)
+        return "number";
+    else if constexpr (std::is_same_v<T, int> || std::is_same_v<T, std::uint32_t>)
+        return "whole number";
+    else if constexpr (std::is_same_v<T, bool>)
+        return "true or false";
+    else if constexpr (std::is_same_v<T, std::string>)
+        return "text";
+    else if constexpr (std::is_same_v<T, Vec2>)
+        return "[x, y]";
+    else if constexpr (std::is_same_v<T, Vec3>)
+        return "[x, y, z]";
+    else if constexpr (std::is_same_v<T, std::array<Vec3, 2>>)
+        return "[[x, y, z], [x, y, z]]";
+    else if constexpr (std::is_same_v<T, std::array<double, 2>>)
+        return "[number, number]";
+    else if constexpr (std::is_same_v<T, DragDesc::Key>)
+        return "[time, x, y]";
+    else if constexpr (std::is_same_v<T, PicturePlace>)
+        return "[x, y] or [x, y, radius]";
+    else if constexpr (std::is_same_v<T, MotionKey>)
+        return "{ time, translate, rotate }";
+    else if constexpr (std::is_same_v<T, CameraKey>)
+        return "{ time, position, target, field_of_view }";
+    else if constexpr (!std::is_void_v<Entry>)
+        return "list of " + type_of<Entry>();
+    else
+        return T::type;
+}
+
+template <class T>
 Field field(const char* key, const char* unit, const char* help, T& target) {
-    return {key, unit, help, [&target](const toml::node& node) { target = Value<T>::read(node); },
-            [&target] { return Value<T>::write(target); }};
+    return {key,
+            unit,
+            help,
+            [&target](const toml::node& node) { target = Value<T>::read(node); },
+            [&target] { return Value<T>::write(target); },
+            type_of<T>()};
 }
 
 template <class T>
 Field field(const char* key, const char* unit, const char* help, std::optional<T>& target) {
-    return {key, unit, help, [&target](const toml::node& node) { target = Value<T>::read(node); },
-            [&target] { return target ? Value<T>::write(*target) : std::string(); }};
+    return {key,
+            unit,
+            help,
+            [&target](const toml::node& node) { target = Value<T>::read(node); },
+            [&target] { return target ? Value<T>::write(*target) : std::string(); },
+            type_of<T>()};
+}
+
+/// Refuses what lies outside low … high.
+void check_range(double value, double low, double high, const std::string& unit) {
+    if (value >= low && value <= high) return;
+    throw BadValue{.what = fmt::format("is {:g}; must be {:g} … {:g}{}{}", value, low, high,
+                                       unit.empty() ? "" : " ", unit),
+                   .unit_said = true};
+}
+void check_range(const std::vector<int>& values, double low, double high, const std::string& unit) {
+    for (const int value : values) check_range(value, low, high, unit);
+}
+
+/// A number, an optional one, or a list of them, that must be low … high.
+template <class T>
+Field field(const char* key, const char* unit, const char* help, T& target, double low, double high) {
+    Field f = field(key, unit, help, target);
+    const auto check = [low, high, unit = std::string(unit)](const auto& value) {
+        check_range(value, low, high, unit);
+    };
+    f.read = [&target, check, read = f.read](const toml::node& node) {
+        read(node);
+        if constexpr (requires { target.has_value(); }) {
+            check(*target);
+        } else {
+            check(target);
+        }
+    };
+    f.range = fmt::format("{:g} … {:g}", low, high);
+    return f;
 }
 
 std::string unit_suffix(const Field& field) {
@@ -395,12 +482,15 @@ std::string suggestion(const std::string& key, const Fields& fields, const std::
 
 /// An optional value that a file leaves out by 0.
 Field field_or_none(const char* key, const char* unit, const char* help, std::optional<double>& target) {
-    return {key, unit, help,
+    return {key,
+            unit,
+            help,
             [&target](const toml::node& node) {
                 const double value = Value<double>::read(node);
                 target = value == 0.0 ? std::nullopt : std::optional(value);
             },
-            [&target] { return Value<double>::write(target.value_or(0.0)); }};
+            [&target] { return Value<double>::write(target.value_or(0.0)); },
+            type_of<double>()};
 }
 
 Fields motion_fields(MotionKey& key) {
@@ -408,37 +498,100 @@ Fields motion_fields(MotionKey& key) {
             field("rotate", "degree", "", key.rotate)};
 }
 
+/// One key of a path, an inline table that has at least a time.
+template <class Key>
+Key read_key(const toml::node& node, Fields (*fields_of)(Key&), const char* wanted) {
+    const toml::table* table = node.as_table();
+    if (!table) throw BadValue{"is " + type_name(node) + "; must be " + wanted, "", node.source()};
+    Key key;
+    const Fields fields = fields_of(key);
+    for (const auto& [toml_key, entry] : *table) {
+        const std::string name(toml_key.str());
+        const auto found =
+            std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == name; });
+        if (found == fields.end())
+            throw BadValue{"unknown key; " + suggestion(name, fields, {}), "." + name, toml_key.source()};
+        try {
+            found->read(entry);
+        } catch (const BadValue& bad) {
+            throw BadValue{bad.what + (bad.unit_said ? "" : unit_suffix(*found)), "." + name, entry.source(),
+                           true};
+        }
+    }
+    if (!table->contains("time")) throw BadValue{"has no time [s]", "", node.source()};
+    return key;
+}
+
+std::string write_key(const Fields& fields) {
+    std::string text;
+    for (const Field& f : fields)
+        if (const std::string value = f.write(); !value.empty())
+            text += (text.empty() ? "{ " : ", ") + f.key + " = " + value;
+    return text + " }";
+}
+
 template <>
 struct Value<MotionKey> {
     static MotionKey read(const toml::node& node) {
-        const toml::table* table = node.as_table();
-        if (!table) {
-            throw BadValue{"is " + type_name(node) + "; must be { time, translate, rotate }", "",
-                           node.source()};
-        }
-        MotionKey key;
-        const Fields fields = motion_fields(key);
-        for (const auto& [toml_key, entry] : *table) {
-            const std::string name(toml_key.str());
-            const auto found =
-                std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == name; });
-            if (found == fields.end())
-                throw BadValue{"unknown key; " + suggestion(name, fields, {}), "." + name, toml_key.source()};
-            try {
-                found->read(entry);
-            } catch (const BadValue& bad) {
-                throw BadValue{bad.what + unit_suffix(*found), "." + name, entry.source()};
-            }
-        }
-        if (!table->contains("time")) throw BadValue{"has no time [s]", "", node.source()};
-        return key;
+        return read_key<MotionKey>(node, motion_fields, "{ time, translate, rotate }");
     }
-    static std::string write(MotionKey key) {
-        std::string text;
-        for (const Field& f : motion_fields(key))
-            text += (text.empty() ? "{ " : ", ") + f.key + " = " + f.write();
-        return text + " }";
+    static std::string write(MotionKey key) { return write_key(motion_fields(key)); }
+};
+
+Fields camera_key_fields(CameraKey& key) {
+    return {field("time", "s", "", key.time), field("position", "m", "", key.position),
+            field("target", "m", "", key.target),
+            field("field_of_view", "degree", "", key.field_of_view, 1.0, 160.0)};
+}
+
+template <>
+struct Value<CameraKey> {
+    static CameraKey read(const toml::node& node) {
+        return read_key<CameraKey>(node, camera_key_fields, "{ time, position, target, field_of_view }");
     }
+    static std::string write(CameraKey key) { return write_key(camera_key_fields(key)); }
+};
+
+/// true: the default text; false: none.
+struct CaptionText {
+    static constexpr const char* type = "true, false or text";
+    std::optional<std::string> text;
+};
+template <>
+struct Value<CaptionText> {
+    static CaptionText read(const toml::node& node) {
+        if (node.is_boolean())
+            return {Value<bool>::read(node) ? std::optional(default_caption) : std::nullopt};
+        if (!node.is_string()) wrong_type(node, "true, false or a text");
+        const std::string text = Value<std::string>::read(node);
+        for (std::size_t at = text.find('{'); at != text.npos; at = text.find('{', at + 1)) {
+            const std::size_t end = text.find('}', at);
+            const std::string name = end == text.npos ? "" : text.substr(at + 1, end - at - 1);
+            if (name != "scene" && name != "time" && name != "frame" && name != "description")
+                throw BadValue{
+                    fmt::format("has \"{}\"; known: {{scene}}, {{time}}, {{frame}}, {{description}}",
+                                text.substr(at, end == text.npos ? end : end - at + 1))};
+        }
+        return {text};
+    }
+    static std::string write(const CaptionText& caption) {
+        return caption.text ? Value<std::string>::write(*caption.text) : "false";
+    }
+};
+
+template <>
+struct Value<PicturePlace> {
+    static PicturePlace read(const toml::node& node) {
+        const toml::array& array = array_of(node, 0, "[x, y] or [x, y, radius]");
+        if (array.size() != 2 && array.size() != 3)
+            throw BadValue{fmt::format("has {} entries; must be [x, y] or [x, y, radius]", array.size())};
+        PicturePlace place{Value<double>::read(array[0]), Value<double>::read(array[1])};
+        if (array.size() == 3) place.radius = Value<double>::read(array[2]);
+        if (place.radius < 0)
+            throw BadValue{fmt::format("has the radius {:g}; must be at least 0", place.radius)};
+        return place;
+    }
+    static std::string write(const PicturePlace& p) { return Value<Vec3>::write(Vec3(p.x, p.y, p.radius)); }
 };
 
 template <class E>
@@ -448,7 +601,9 @@ template <class E>
 Field choice(const char* key, const char* help, E& target, const Names<E>& names) {
     std::vector<std::string> known;
     for (const auto& [name, value] : names) known.push_back(name);
-    return {key, join(known), help,
+    return {key,
+            join(known),
+            help,
             [&target, names, known](const toml::node& node) {
                 const std::string text = Value<std::string>::read(node);
                 for (const auto& [name, value] : names) {
@@ -467,7 +622,8 @@ Field choice(const char* key, const char* help, E& target, const Names<E>& names
                     if (value == target) return Value<std::string>::write(name);
                 }
                 return std::string();
-            }};
+            },
+            "one of"};
 }
 
 template <class E>
@@ -475,7 +631,9 @@ Field choice(const char* key, const char* help, std::optional<E>& target, const 
     // Reads through a temporary of the plain kind.
     auto value = std::make_shared<E>();
     Field plain = choice(key, help, *value, names);
-    return {plain.key, plain.unit, plain.help,
+    return {plain.key,
+            plain.unit,
+            plain.help,
             [&target, value, read = plain.read](const toml::node& node) {
                 read(node);
                 target = *value;
@@ -484,7 +642,42 @@ Field choice(const char* key, const char* help, std::optional<E>& target, const 
                 if (!target) return std::string();
                 *value = *target;
                 return write();
-            }};
+            },
+            plain.type};
+}
+
+/// A list of names, each at most once.
+template <class E>
+Field choices(const char* key, const char* help, std::vector<E>& target, const Names<E>& names) {
+    auto one = std::make_shared<E>();
+    const Field single = choice(key, help, *one, names);
+    return {key,
+            single.unit,
+            help,
+            [&target, one, read = single.read](const toml::node& node) {
+                std::vector<E> values;
+                for (const toml::node& entry : array_of(node, 0, "a list of names")) {
+                    const std::string part = fmt::format("[{}]", values.size());
+                    try {
+                        read(entry);
+                    } catch (const BadValue& bad) {
+                        throw BadValue{bad.what, part, entry.source()};
+                    }
+                    if (std::find(values.begin(), values.end(), *one) != values.end())
+                        throw BadValue{"stands there twice", part, entry.source()};
+                    values.push_back(*one);
+                }
+                target = values;
+            },
+            [&target, one, write = single.write] {
+                std::string text;
+                for (const E& value : target) {
+                    *one = value;
+                    text += (text.empty() ? "" : ", ") + write();
+                }
+                return "[" + text + "]";
+            },
+            "list of"};
 }
 
 const Names<IntegratorKind> integrator_names{
@@ -513,6 +706,17 @@ const Names<render::Pattern> pattern_names{{"plain", render::Pattern::plain},
                                            {"checks", render::Pattern::checks},
                                            {"tartan", render::Pattern::tartan},
                                            {"dots", render::Pattern::dots}};
+const Names<Framing> framing_names{{"fixed", Framing::fixed}, {"auto", Framing::automatic}};
+const Names<Curve> curve_choices = [] {
+    Names<Curve> names;
+    for (const CurveName& n : curve_names) names.emplace_back(n.name, n.curve);
+    return names;
+}();
+const Names<VertexField> shade_names = [] {
+    Names<VertexField> names;
+    for (const VertexFieldName& n : vertex_field_names()) names.emplace_back(n.name, n.field);
+    return names;
+}();
 const Names<Switch> switch_names{{"on", Switch::on}, {"off", Switch::off}, {"toggle", Switch::toggle}};
 
 // ---------------------------------------------------------------- what a file says
@@ -525,9 +729,9 @@ struct LookEntry {
     Fields fields() {
         return {field("color", "sRGB", "colour of the front", color),
                 field("back_color", "sRGB", "colour of the back; default: as the front", back_color),
-                field("roughness", "", "of the specular lobe, 0 … 1", roughness),
-                field("specular", "", "reflectance at normal incidence", specular),
-                field("sheen", "", "soft glow of fibres at grazing angles", sheen)};
+                field("roughness", "", "of the specular lobe", roughness, 0.0, 1.0),
+                field("specular", "", "reflectance at normal incidence", specular, 0.0, 1.0),
+                field("sheen", "", "soft glow of fibres at grazing angles", sheen, 0.0, 10.0)};
     }
     Look look() const {
         render::Material m;
@@ -598,15 +802,16 @@ struct ClothEntry {
                    field("warp", "", "direction of the warp on the rest shape", desc.warp),
                    field("contact_thickness", "m", "of contact = \"barrier\": of the sheet as others feel it",
                          desc.contact_thickness),
-                   field("subdivisions", "", "Loop steps that smooth the drawn surface, 0 … 3", subdivisions),
+                   field("subdivisions", "", "Loop steps that smooth the drawn surface", subdivisions, 0, 3),
                    choice("pattern", "on rest coordinates; on the back too, unless that has a colour",
                           pattern, pattern_names),
-                   field("pattern_scale", "m", "width of one repeat of pattern or texture", pattern_scale),
+                   field("pattern_scale", "m", "width of one repeat of pattern or texture", pattern_scale,
+                         1e-4, 1000.0),
                    field("pattern_colors", "sRGB", "one to three, beside color", pattern_colors),
                    field("texture", "file", "PNG on rest coordinates, instead of a pattern", texture),
-                   field("weave", "m", "spacing of the threads; 0: smooth", weave),
-                   field("weave_depth", "", "slope of the threads' flanks, 0 … 2", weave_depth),
-                   field("hem", "m", "thickness of the rim as drawn; 0: none", hem)} +
+                   field("weave", "m", "spacing of the threads; 0: smooth", weave, 0.0, 1.0),
+                   field("weave_depth", "", "slope of the threads' flanks", weave_depth, 0.0, 2.0),
+                   field("hem", "m", "thickness of the rim as drawn; 0: none", hem, 0.0, 0.1)} +
                look.fields();
     }
     Fields fabric_fields() {
@@ -745,14 +950,19 @@ struct EventEntry {
     }
 };
 
-struct CameraEntry {
-    Vec3 position{0.0, 0.3, 2.5}, target{0.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
-    double field_of_view = 35.0;
+struct CameraEntry : CameraDesc {
     Fields fields() {
         return {field("position", "m", "of the eye", position),
                 field("target", "m", "what it looks at", target),
                 field("up", "", "direction that is up in the picture", up),
-                field("field_of_view", "degree", "vertical", field_of_view)};
+                field("field_of_view", "degree", "vertical", field_of_view, 1.0, 160.0),
+                field("path", "",
+                      "[{ time, position, target, field_of_view }, …]: smooth between these; "
+                      "drags still look from where the camera rests",
+                      path),
+                field("turntable", "degree/s", "turn about the target", turntable, -3600.0, 3600.0),
+                choice("frame", "auto: along the same line of sight, all cloth in the picture during the run",
+                       framing, framing_names)};
     }
 };
 
@@ -770,13 +980,14 @@ struct LightEntry {
         shadow = light.shadow;
     }
     Fields fields() {
-        return {field("direction", "", "from the scene towards the light", direction),
-                field("color", "sRGB", "of the light", color),
-                field("intensity", "", "irradiance of a facing plane", intensity),
-                field("softness", "m", "least half-width of a shadow's edge", softness),
-                field("angle", "degree",
-                      "across the light, as seen from the scene; shadows soften with distance", angle),
-                field("shadow", "", "whether it casts shadows", shadow)};
+        return {
+            field("direction", "", "from the scene towards the light", direction),
+            field("color", "sRGB", "of the light", color),
+            field("intensity", "", "irradiance of a facing plane", intensity, 0.0, 1e6),
+            field("softness", "m", "least half-width of a shadow's edge", softness, 0.0, 1.0),
+            field("angle", "degree", "across the light, as seen from the scene; shadows soften with distance",
+                  angle, 0.0, 45.0),
+            field("shadow", "", "whether it casts shadows", shadow)};
     }
 };
 
@@ -798,7 +1009,7 @@ struct BackgroundEntry {
                 field("sky", "sRGB", "light from above", sky),
                 field("ambient_occlusion", "", "folds and corners get less of the sky's light",
                       ambient_occlusion),
-                field("exposure", "", "factor on all light", exposure)};
+                field("exposure", "", "factor on all light", exposure, 1e-6, 1e6)};
     }
 };
 
@@ -817,6 +1028,8 @@ struct Document {
     std::optional<GroundEntry> ground;
     BackgroundEntry background;
     OutputDesc output;
+    AnnotationDesc annotation;
+    CaptionText caption;
     PixelSize size{1280, 720};
     ExpectDesc expect;
 
@@ -857,16 +1070,29 @@ struct Document {
                 field("seed", "", "of the gusts", a.seed)};
     }
     Fields output_fields() {
-        return {field("size", "pixel", "of pictures and movie", size),
-                field("frames", "", "when the command line does not say", output.frames),
-                field("playback_rate", "1/s", "frames per second of the movie; default: frame_rate",
-                      output.playback_rate),
-                field("quality", "", "H.264 constant rate factor, 0 (lossless) … 51", output.quality)};
+        return {
+            field("size", "pixel", "of pictures and movie", size),
+            field("frames", "", "when the command line does not say", output.frames, 1, 10'000'000),
+            field("playback_rate", "1/s", "frames per second of the movie; default: frame_rate",
+                  output.playback_rate, 0.01, 1000.0),
+            field("quality", "", "H.264 constant rate factor; 0: lossless", output.quality, 0, 51),
+            field("caption", "", "true, or a text with {scene}, {time}, {frame}, {description}", caption),
+            choice("shade", "shown in colours instead of the fabric", annotation.shade, shade_names),
+            field("shade_range", "", "numbers at the ends of the colours; default: of the whole run",
+                  annotation.shade_range),
+            field("wireframe", "", "the edges of the simulated triangles", annotation.wireframe),
+            field("ids", "pixel", "[x, y] or [x, y, radius]: vertex and triangle numbers there, magnified",
+                  annotation.ids),
+            choices("curves", "drawn in the picture", annotation.curves, curve_choices),
+            field("motion_blur", "", "pictures of which each frame is the mean; 1: none",
+                  annotation.motion_blur, 1, 64),
+            field("shutter", "", "share of a frame's time during which they are taken", annotation.shutter,
+                  0.01, 1.0)};
     }
     Fields expect_fields() {
-        return {
-            field("state_tolerance", "m", "of golden states made by another build", expect.state_tolerance),
-            field("frames", "", "golden frames", expect.frames)};
+        return {field("state_tolerance", "m", "of golden states made by another build",
+                      expect.state_tolerance, 1e-15, 1.0),
+                field("frames", "", "golden frames", expect.frames, 0, 10'000'000)};
     }
 };
 
@@ -990,7 +1216,8 @@ class Reader {
             try {
                 found->read(node);
             } catch (const BadValue& bad) {
-                fail_at(bad.place.value_or(node.source()), full + bad.part, bad.what + unit_suffix(*found));
+                fail_at(bad.place.value_or(node.source()), full + bad.part,
+                        bad.what + (bad.unit_said ? "" : unit_suffix(*found)));
             }
         }
     }
@@ -1394,49 +1621,43 @@ void resolve_references(Reader& reader, Document& d) {
     }
 }
 
-void check_range(Reader& reader, const std::string& key, double value, double low, double high,
-                 const char* unit) {
-    if (value >= low && value <= high) return;
-    reader.fail(key,
-                fmt::format("is {:g}; must be {:g} … {:g}{}{}", value, low, high, *unit ? " " : "", unit));
+void check_camera(Reader& reader, const CameraEntry& camera) {
+    if (!camera.path.empty() && camera.framing == Framing::automatic)
+        reader.fail("camera.frame",
+                    "is \"auto\" beside a path, which says where the camera is; give one of the two");
+    for (std::size_t i = 0; i < camera.path.size(); ++i) {
+        const CameraKey& key = camera.path[i];
+        const std::string place = fmt::format("camera.path[{}]", i);
+        if (i > 0 && !(key.time > camera.path[i - 1].time))
+            reader.fail(place + ".time", fmt::format("is {:g}; must be later than the key before, {:g} s",
+                                                     key.time, camera.path[i - 1].time));
+        const Vec3 gaze = key.target.value_or(camera.target) - key.position.value_or(camera.position);
+        if (!(gaze.norm() > 1e-9))
+            reader.fail(place, "has its target where it stands; it must lie elsewhere");
+        if (!(gaze.cross(camera.up).norm() > 1e-3 * gaze.norm() * camera.up.norm()))
+            reader.fail(place, "looks along camera.up; it must look across it");
+    }
+}
+
+void check_annotation(Reader& reader, const AnnotationDesc& a) {
+    if (a.shade_range && !a.shade)
+        reader.fail("output.shade_range", "belongs to output.shade; name what is shown in colours");
+    if (a.shade_range && !((*a.shade_range)[1] > (*a.shade_range)[0]))
+        reader.fail("output.shade_range", fmt::format("is [{:g}, {:g}]; the second must be the greater",
+                                                      (*a.shade_range)[0], (*a.shade_range)[1]));
 }
 
 void check_looks(Reader& reader, Document& d) {
-    auto check = [&](const std::string& key, const LookEntry& look) {
-        check_range(reader, key + ".roughness", look.roughness, 0.0, 1.0, "");
-        check_range(reader, key + ".specular", look.specular, 0.0, 1.0, "");
-        check_range(reader, key + ".sheen", look.sheen, 0.0, 10.0, "");
-    };
-    for (std::size_t i = 0; i < d.cloths.size(); ++i) {
-        check(entry("cloth", i), d.cloths[i].look);
-        check_range(reader, entry("cloth", i) + ".subdivisions", d.cloths[i].subdivisions, 0, 3, "");
-        check_range(reader, entry("cloth", i) + ".pattern_scale", d.cloths[i].pattern_scale, 1e-4, 1000.0,
-                    "m");
-        check_range(reader, entry("cloth", i) + ".weave", d.cloths[i].weave, 0.0, 1.0, "m");
-        check_range(reader, entry("cloth", i) + ".weave_depth", d.cloths[i].weave_depth, 0.0, 2.0, "");
-        check_range(reader, entry("cloth", i) + ".hem", d.cloths[i].hem, 0.0, 0.1, "m");
-    }
-    for (std::size_t i = 0; i < d.colliders.size(); ++i) check(entry("collider", i), d.colliders[i].look);
     const Vec3 gaze = d.camera.target - d.camera.position;
     if (!(gaze.norm() > 1e-9))
         reader.fail("camera.target", "is where the camera stands; it must lie elsewhere");
     if (!(gaze.cross(d.camera.up).norm() > 1e-3 * gaze.norm() * d.camera.up.norm())) {
         reader.fail("camera.up", "points along the view; it must lie across it");
     }
-    check_range(reader, "camera.field_of_view", d.camera.field_of_view, 1.0, 160.0, "degree");
+    check_camera(reader, d.camera);
     if (!(d.light.direction.norm() > 1e-9))
         reader.fail("light[0].direction", "is zero; must point towards the light");
-    check_range(reader, "light[0].intensity", d.light.intensity, 0.0, 1e6, "");
-    check_range(reader, "light[0].softness", d.light.softness, 0.0, 1.0, "m");
-    check_range(reader, "light[0].angle", d.light.angle, 0.0, 45.0, "degree");
-    check_range(reader, "background.exposure", d.background.exposure, 1e-6, 1e6, "");
-    check_range(reader, "output.quality", d.output.quality, 0, 51, "");
-    check_range(reader, "output.frames", d.output.frames, 1, 10'000'000, "frames");
-    if (d.output.playback_rate) {
-        check_range(reader, "output.playback_rate", *d.output.playback_rate, 0.01, 1000.0, "1/s");
-    }
-    check_range(reader, "expect.state_tolerance", d.expect.state_tolerance, 1e-15, 1.0, "m");
-    for (int frame : d.expect.frames) check_range(reader, "expect.frames", frame, 0, 10'000'000, "");
+    check_annotation(reader, d.annotation);
 }
 
 /// OpenGL's view and projection matrices of the scene's camera, without the C library's tangent.
@@ -1590,6 +1811,9 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
     file.view.target = to_float(d.camera.target);
     file.view.up = to_float(d.camera.up);
     file.view.field_of_view = static_cast<float>(d.camera.field_of_view);
+    file.camera = d.camera;
+    file.annotation = d.annotation;
+    file.annotation.caption = d.caption.text;
     file.view.light.direction = to_float(d.light.direction);
     file.view.light.color = d.light.color.linear();
     file.view.light.intensity = static_cast<float>(d.light.intensity);
@@ -1680,11 +1904,24 @@ std::string key_reference() {
     GroundEntry ground;
     std::string text;
     auto table = [&](const std::string& title, const Fields& fields) {
-        text += title + "\n";
+        text += (text.empty() ? "" : "\n") + title + "\n";
         for (const Field& f : fields) {
+            std::string kind = f.type;
+            // The unit of a choice is the list of its names.
+            const bool names = f.type == "one of" || f.type == "list of";
+            if (!f.range.empty()) kind += ", " + f.range;
+            if (!f.unit.empty()) kind += names ? " " + f.unit : " [" + f.unit + "]";
             const std::string value = f.write();
-            text += fmt::format("  {:<18} {}{}{}\n", f.key, f.help, f.unit.empty() ? "" : " [" + f.unit + "]",
-                                value.empty() || value == "\"\"" ? "" : "; default " + value);
+            std::string help = f.help;
+            if (!value.empty() && value != "\"\"") {
+                help += (help.empty() ? "default " : "; default ") + value;
+            } else if (help.find("default") == help.npos) {
+                help += help.empty() ? "none by default" : "; none by default";
+            }
+            // A long kind gets a line of its own.
+            const bool wide = kind.size() > 26;
+            text += fmt::format("  {:<18} {:<26}", f.key, kind);
+            text += (wide ? fmt::format("\n  {:<18} {:<26} ", "", "") : " ") + help + "\n";
         }
     };
     table("(top of the file)", d.top_fields());

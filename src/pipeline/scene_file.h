@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/picture_desc.h"
 #include "render/frame.h"
 #include "sim/scene.h"
 
@@ -38,7 +39,9 @@ struct SceneFile {
     std::string name;  ///< file name without .toml
     std::string description;
     Scene scene;
-    render::View view;  ///< size, camera and light
+    render::View view;  ///< size, camera at rest and light
+    CameraDesc camera;  ///< how it moves
+    AnnotationDesc annotation;
     std::optional<render::Ground> ground;
     std::vector<Look> cloth_looks;     ///< one per cloth
     std::vector<Look> collider_looks;  ///< one per collider
@@ -60,7 +63,7 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
 SceneFile parse_scene(const std::string& text, const std::string& label, const std::filesystem::path& folder,
                       const Overrides& overrides = {});
 
-/// Every key of a scene file with its meaning, unit and default, table by table.
+/// Every key of a scene file with its type, unit, range, default and meaning, table by table.
 std::string key_reference();
 
 /// What to say of a fabric that the table (sim/fabrics.h) does not have: the nearest name and all known ones.

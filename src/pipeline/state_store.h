@@ -47,7 +47,8 @@ struct Manifest {
 };
 
 /// The folder of one run: DIR/scene.toml, DIR/meshes/…, DIR/states/state_000000.bin …,
-/// DIR/frames/frame_000000.png …, DIR/NAME.mp4, DIR/report.json.
+/// DIR/frames/frame_000000.png …, DIR/NAME.mp4, DIR/report.json,
+/// DIR/sheet.png.
 class RunFolder {
   public:
     /// Throws Error(usage) where `folder` is a file, Error(other) where it cannot be created or written.
@@ -60,6 +61,7 @@ class RunFolder {
     std::filesystem::path meshes() const { return root_ / "meshes"; }
     std::filesystem::path report() const { return root_ / "report.json"; }
     std::filesystem::path topology() const { return root_ / "states" / "topology.bin"; }
+    std::filesystem::path sheet() const { return root_ / "sheet.png"; }  ///< contact sheet
     std::filesystem::path state(std::int64_t frame) const;
     std::filesystem::path image(std::int64_t frame) const;
     std::filesystem::path movie(const std::string& scene_name) const { return root_ / (scene_name + ".mp4"); }
