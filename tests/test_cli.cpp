@@ -669,6 +669,54 @@ TEST_CASE("goldens: blessed, compared, and a change is told by exit code 6", "[c
     CHECK_THAT(again.out, Contains("old against new:") && Contains("sheet: agrees"));
 }
 
+TEST_CASE("the physics is checked by name, with parameters, a table and plots", "[cli]") {
+    const Workplace place;
+    const Outcome one = place.run("validate cantilever --gamma 0.5 --resolution 16");
+    CHECK(one.code == 0);
+    CHECK_THAT(one.out, Contains("measured") && Contains("H/W at Gamma 0.5") && Contains("good") &&
+                            Contains("heavy elastica"));
+    const Outcome plotted = place.run("validate space_order --plots p --markdown");
+    CHECK(plotted.code == 0);
+    CHECK_THAT(plotted.out, Contains("| check | quantity |") && Contains("| good |"));
+    CHECK(place.files("p") == std::vector<std::string>{"space_order.svg"});
+    check_refusal(place.run("validate cantilver"), 2, {"unknown check; known: cantilever, "});
+    check_refusal(place.run("validate drape --gamma 3"), 2, {"validate drape: has no --gamma"});
+    check_refusal(place.run("validate --gamma 3"), 2, {"--gamma: give the check that it belongs to"});
+    check_refusal(place.run("validate cantilever --gamma -1"), 2,
+                  {"--gamma -1: give a number, 0.001 … 100000"});
+    check_refusal(place.run("validate cantilever --resolution 2"), 2, {"give a whole number, 4 … 2000"});
+    check_refusal(place.run("validate drape --fabric tweed"), 2, {"--fabric tweed: unknown"});
+}
+
+TEST_CASE("a run whose step does not converge stops with exit code 4 and says where", "[cli]") {
+    const Workplace place;
+    // Pulled beyond the strain limit that nothing may pass.
+    spit(place / "torn.toml", R"(
+version = 1
+[simulation]
+integrator = "implicit_euler"
+retries = 1
+[[cloth]]
+size = [0.1, 0.2]
+resolution = [3, 5]
+fabric = "cotton"
+[[pin]]
+edge = "top"
+[[pin]]
+edge = "bottom"
+path = [{ time = 0.0 }, { time = 0.5, translate = [0.0, -0.1, 0.0] }]
+[output]
+size = [64, 48]
+)");
+    const Outcome stopped = place.run("simulate --scene torn.toml --out o --quiet --frames 30");
+    CHECK(stopped.code == 4);
+    CHECK_THAT(stopped.err, Contains("did not converge, not even cut into 2 parts") &&
+                                Contains("farthest from balance is vertex"));
+    const auto kept = place.files("o/states");
+    CHECK(std::count(kept.begin(), kept.end(), "state_000001.bin") == 1);
+    CHECK(std::count(kept.begin(), kept.end(), "state_000029.bin") == 0);
+}
+
 TEST_CASE("the program tells of itself", "[cli]") {
     const Workplace place;
     const Outcome version = place.run("--version");
