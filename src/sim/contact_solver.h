@@ -1,10 +1,12 @@
 #pragma once
 // Minimises a stage's incremental potential (integrator.h) among barriers, without ever passing through one.
 
+#include <optional>
 #include <vector>
 
 #include "sim/barrier_contact.h"
 #include "sim/block_matrix.h"
+#include "sim/contact_times.h"
 #include "sim/model.h"
 #include "sim/pins.h"
 #include "sim/potential.h"
@@ -25,6 +27,7 @@ struct ContactProblem {
 
 /// Memory of the solves.
 struct ContactWorkspace {
+    std::optional<SparseSolver> half;  ///< of half precision, the same vertices left out as in the other
     BlockMatrix system;
     ExtraBlocks extra;
     VecX gradient, rhs, direction, product, residual, preconditioned, conjugate, trial, momentum, start;
@@ -35,6 +38,7 @@ struct ContactSolveReport {
     int newton_iterations = 0, cg_iterations = 0, factorizations = 0, placements = 0;
     double residual = 0.0;  ///< |∇Φ| / |∇Φ at the start|
     int worst_vertex = -1;
+    ContactTimes times;
 };
 
 /// From the allowed positions x to the minimum.
