@@ -185,28 +185,38 @@ class Minimization {
         return Cg::converged;
     }
 
-    /// Newton direction for -h²∇Φ in rhs.
+    /// Newton direction for -h²∇Φ in rhs. Far from the minimum by the projected Hessian: the exact one is
+    /// mostly indefinite there, and no better where it is not. Near it by as large a share of the exact one
+    /// as is positive definite.
     bool direction(const VecX& x, double norm, double scale) {
         const bool near = norm < 1e-2 * scale;
         const double tolerance = std::clamp(0.1 * norm / scale, 1e-4, 0.1);
-        for (bool exact : {true, false}) {
-            if (exact && !near) continue;  // far off it is mostly indefinite, and no better where it is not
-            assemble(x, exact ? HessianKind::exact : HessianKind::projected);
+        for (double exact : {1.0, 0.9, 0.6, 0.0}) {
+            if (exact > 0.0 && !near) continue;
+            if (exact == 1.0) {
+                assemble(x, HessianKind::exact);
+                w_.exact = w_.system;
+            } else if (exact == 0.9 || !near) {
+                assemble(x, HessianKind::projected);
+                if (near) w_.projected = w_.system;
+            }
+            if (near && exact < 1.0) {
+                for (std::size_t s = 0; s < w_.system.blocks.size(); ++s) {
+                    w_.system.blocks[s] = exact * w_.exact.blocks[s] + (1.0 - exact) * w_.projected.blocks[s];
+                }
+            }
             w_.direction.setZero(x.size());
             if (have_factor_) {
                 const Cg cg = conjugate_gradients(tolerance, most_stale);
                 if (cg == Cg::converged && w_.rhs.dot(w_.direction) > 0.0) return true;
-                if (cg == Cg::indefinite && exact) continue;
+                if (cg == Cg::indefinite && exact > 0.0) continue;
                 if (cg == Cg::indefinite) w_.direction.setZero();
             }
-            if (!factorize(!exact)) {
-                if (!exact) return false;
-                continue;
-            }
+            if (!factorize(exact == 0.0)) continue;
             Cg cg = conjugate_gradients(tolerance, most_fresh);
             if (cg == Cg::slow && half_) {
                 half_ = false;
-                if (!factorize(!exact)) continue;
+                if (!factorize(exact == 0.0)) continue;
                 cg = conjugate_gradients(tolerance, most_fresh);
             }
             if (cg == Cg::indefinite) continue;

@@ -28,7 +28,7 @@ struct ContactProblem {
 /// Memory of the solves.
 struct ContactWorkspace {
     std::optional<SparseSolver> half;  ///< of half precision, the same vertices left out as in the other
-    BlockMatrix system;
+    BlockMatrix system, exact, projected;
     ExtraBlocks extra;
     VecX gradient, rhs, direction, product, residual, preconditioned, conjugate, trial, momentum, start;
 };
