@@ -45,11 +45,12 @@ struct ContactSolveReport {
 ///
 /// 1. Pins and colliders go to where they are at the stage's end, together with what the cloth's stiffness
 ///    and the contacts make of their way, as far as is free at a time.
-/// 2. First guess: inertia's, each vertex stopped where it would meet something.
+/// 2. First guess: inertia's and gravity's, each vertex stopped where it would meet something.
 /// 3. Newton's method. Each step is shortened to what continuous collision detection says is free, then by
 ///    Armijo's rule. The linear system is solved by conjugate gradients on the whole matrix, preconditioned
 ///    by a Cholesky factor of its part within the fixed pattern (all but the blocks that couple the two sides
-///    of a contact); a factor is kept within the stage while it still serves.
+///    of a contact), in half precision where that serves; a factor is kept within the stage while it serves.
+///    It ends at the residual asked for, or after a step slower than the scene's newton_speed.
 ContactSolveReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
                                          ContactWorkspace& w);
 
