@@ -137,6 +137,7 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
         {"simulation.newton_iterations", "at least 1", [](Scene& s) { s.simulation.newton_iterations = 0; }},
         {"simulation.newton_tolerance", "between 0 and 1",
          [](Scene& s) { s.simulation.newton_tolerance = 1.0; }},
+        {"simulation.newton_speed", "at least 0 m/s", [](Scene& s) { s.simulation.newton_speed = -1.0; }},
         {"cloth[0].size", "greater than 0 m", [](Scene& s) { s.cloths[0].grid.size.y() = -1; }},
         {"cloth[0].resolution", "is 1; must be 2 … 4096",
          [](Scene& s) { s.cloths[0].grid.resolution[1] = 1; }},

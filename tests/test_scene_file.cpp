@@ -112,6 +112,7 @@ void check_same(const SceneFile& a, const SceneFile& b) {
     CHECK(same(s.contact_activation, t.contact_activation));
     CHECK(s.newton_iterations == t.newton_iterations);
     CHECK(same(s.newton_tolerance, t.newton_tolerance));
+    CHECK(same(s.newton_speed, t.newton_speed));
     CHECK(s.retries == t.retries);
     CHECK(same(s.air.density, t.air.density));
     CHECK(same(s.air.drag, t.air.drag));
@@ -256,6 +257,7 @@ contact_stiffness = 210
 sliding_speed = 0.002
 newton_iterations = 17
 newton_tolerance = 1e-7
+newton_speed = 0.05
 retries = 3
 
 [air]
@@ -441,6 +443,7 @@ TEST_CASE("every key reaches its field", "[scene_file]") {
     CHECK(s.sliding_speed == 0.002);
     CHECK(s.newton_iterations == 17);
     CHECK(s.newton_tolerance == 1e-7);
+    CHECK(s.newton_speed == 0.05);
     CHECK(s.retries == 3);
     CHECK(s.air.density == 1.1);
     CHECK(s.air.drag == 1.2);

@@ -1057,6 +1057,10 @@ struct Document {
                   s.newton_iterations),
             field("newton_tolerance", "", "residual at which a solve stops, against the step's start",
                   s.newton_tolerance),
+            field("newton_speed", "m/s",
+                  "of contact = \"barrier\": a solve stops as well where no vertex moves faster in its last "
+                  "step",
+                  s.newton_speed),
             field("retries", "", "times that a step which does not converge is halved", s.retries)};
     }
     Fields air_fields() {

@@ -1,23 +1,45 @@
 #include "sim/contact_solver.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace cloth {
 namespace {
 
+/// Adds the time until its end.
+class Stopwatch {
+  public:
+    explicit Stopwatch(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
+    ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+    Stopwatch(const Stopwatch&) = delete;
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    double& seconds_;
+    Clock::time_point start_;
+};
+
 class Minimization {
   public:
     Minimization(const ContactProblem& problem, SparseSolver& solver, ContactWorkspace& w,
                  ContactSolveReport& report)
-        : p_(problem), solver_(solver), w_(w), report_(report), h2_(problem.h * problem.h) {}
+        : p_(problem),
+          solver_(solver),
+          w_(w),
+          report_(report),
+          times_(report.times),
+          h2_(problem.h * problem.h) {}
 
     bool run(VecX& x) {
         const SimulationDesc& options = p_.model.scene.simulation;
         const double scale = std::max(gradient(x), 1e-2 * p_.model.weight);
         if (!place(x)) return false;
         double value = objective(x);
-        w_.trial = x + p_.contact.truncated(x, way_to_guess(x));
+        {
+            const Stopwatch watch(times_.detection);
+            w_.trial = x + p_.contact.truncated(x, way_to_guess(x));
+        }
         if (const double guess = objective(w_.trial); guess < value) {
             x = w_.trial;
             value = guess;
@@ -31,6 +53,7 @@ class Minimization {
             ++report_.newton_iterations;
             converged = w_.direction.cwiseAbs().maxCoeff() < 1e-14 * extent;
             if (converged) break;
+            const bool last = w_.direction.cwiseAbs().maxCoeff() < options.newton_speed * p_.h;
             const double slope = -w_.rhs.dot(w_.direction) / h2_;
             constexpr double sufficient = 1e-4;
             w_.start = x;
@@ -49,7 +72,7 @@ class Minimization {
                 break;
             }
             norm = gradient(x);
-            converged = norm <= options.newton_tolerance * scale;
+            converged = norm <= options.newton_tolerance * scale || last;
         }
         norm = gradient(x);
         report_.residual = scale > 0.0 ? norm / scale : 0.0;
@@ -63,6 +86,7 @@ class Minimization {
 
   private:
     double objective(const VecX& at) {
+        const Stopwatch watch(times_.evaluation);
         w_.residual = at - p_.y;
         multiply(p_.model.pattern, p_.model.mass, w_.residual, w_.momentum);
         double value = 0.5 / h2_ * w_.residual.dot(w_.momentum);
@@ -73,6 +97,7 @@ class Minimization {
 
     /// Leaves -h² ∇Φ of the free vertices in rhs; gives |∇Φ|.
     double gradient(const VecX& at) {
+        const Stopwatch watch(times_.evaluation);
         w_.gradient.setZero(at.size());
         p_.potential.gradient(at, w_.gradient);
         p_.contact.add_gradient(at, w_.gradient);
@@ -89,6 +114,7 @@ class Minimization {
     }
 
     void assemble(const VecX& x, HessianKind kind) {
+        const Stopwatch watch(times_.assembly);
         w_.system.reset(p_.model.pattern);
         p_.potential.hessian(x, kind, w_.system);
         p_.contact.add_hessian(x, HessianKind::projected, w_.system, w_.extra);
@@ -99,13 +125,22 @@ class Minimization {
         for (Mat3& block : w_.extra.blocks) block *= h2_;
     }
 
-    bool factorize() {
+    /// In half precision while that serves: as a preconditioner it is as good and takes half the time.
+    bool factorize(bool semidefinite) {
+        const Stopwatch watch(times_.factorization);
         ++report_.factorizations;
-        have_factor_ = solver_.factorize(w_.system);
+        factor_ = half_ ? &*w_.half : &solver_;
+        have_factor_ = factor_->factorize(w_.system);
+        if (!have_factor_ && half_ && semidefinite) {
+            half_ = false;
+            factor_ = &solver_;
+            have_factor_ = factor_->factorize(w_.system);
+        }
         return have_factor_;
     }
 
     double largest_share(const VecX& x, const VecX& d) const {
+        const Stopwatch watch(times_.detection);
         double share = 1.0;
         share = std::min(share, p_.potential.largest_share(x, d));
         return std::min(share, p_.contact.largest_share(x, d));
@@ -121,6 +156,7 @@ class Minimization {
 
     /// Conjugate gradients on A d = rhs from the d given.
     Cg conjugate_gradients(double tolerance, int most) {
+        const Stopwatch watch(times_.solution);
         VecX &d = w_.direction, &r = w_.residual, &z = w_.preconditioned, &q = w_.conjugate;
         apply(d, r);
         r = w_.rhs - r;
@@ -130,7 +166,7 @@ class Minimization {
         for (int k = 0; r.norm() > target; ++k) {
             if (k == most) return Cg::slow;
             ++report_.cg_iterations;
-            solver_.solve(r, z);
+            factor_->solve(r, z);
             zero_pinned(z);
             const double rz_new = r.dot(z);
             if (k == 0) {
@@ -149,42 +185,51 @@ class Minimization {
         return Cg::converged;
     }
 
-    /// Newton direction for -h²∇Φ in rhs.
+    /// Newton direction for -h²∇Φ in rhs. Far from the minimum by the projected Hessian: the exact one is
+    /// mostly indefinite there, and no better where it is not. Near it by as large a share of the exact one
+    /// as is positive definite.
     bool direction(const VecX& x, double norm, double scale) {
         const bool near = norm < 1e-2 * scale;
-        const double tolerance = std::clamp(0.1 * norm / scale, 1e-4, 1e-2);
-        for (bool exact : {true, false}) {
-            if (exact && indefinite_ && !near) continue;
-            assemble(x, exact ? HessianKind::exact : HessianKind::projected);
+        const double tolerance = std::clamp(0.1 * norm / scale, 1e-4, 0.1);
+        for (double exact : {1.0, 0.9, 0.6, 0.0}) {
+            if (exact > 0.0 && !near) continue;
+            if (exact == 1.0) {
+                assemble(x, HessianKind::exact);
+                w_.exact = w_.system;
+            } else if (exact == 0.9 || !near) {
+                assemble(x, HessianKind::projected);
+                if (near) w_.projected = w_.system;
+            }
+            if (near && exact < 1.0) {
+                for (std::size_t s = 0; s < w_.system.blocks.size(); ++s) {
+                    w_.system.blocks[s] = exact * w_.exact.blocks[s] + (1.0 - exact) * w_.projected.blocks[s];
+                }
+            }
             w_.direction.setZero(x.size());
             if (have_factor_) {
                 const Cg cg = conjugate_gradients(tolerance, most_stale);
                 if (cg == Cg::converged && w_.rhs.dot(w_.direction) > 0.0) return true;
-                if (cg == Cg::indefinite && exact) {
-                    indefinite_ = true;
-                    continue;
-                }
+                if (cg == Cg::indefinite && exact > 0.0) continue;
                 if (cg == Cg::indefinite) w_.direction.setZero();
             }
-            if (!factorize()) {
-                if (!exact) return false;
-                indefinite_ = true;
-                continue;
+            if (!factorize(exact == 0.0)) continue;
+            Cg cg = conjugate_gradients(tolerance, most_fresh);
+            if (cg == Cg::slow && half_) {
+                half_ = false;
+                if (!factorize(exact == 0.0)) continue;
+                cg = conjugate_gradients(tolerance, most_fresh);
             }
-            const Cg cg = conjugate_gradients(tolerance, most_fresh);
-            if (cg == Cg::indefinite) {
-                indefinite_ = true;
-                continue;
-            }
-            if (exact) indefinite_ = false;
+            if (cg == Cg::indefinite) continue;
             if (w_.rhs.dot(w_.direction) > 0.0) return true;
         }
         return false;
     }
 
-    /// Where inertia would take x, with the pins where they go.
+    /// Where inertia and gravity would take x, with the pins where they go.
     VecX way_to_guess(const VecX& x) const {
         VecX way = p_.y - x;
+        const Vec3 fall = h2_ * p_.model.scene.simulation.gravity;
+        way.reshaped(3, way.size() / 3).colwise() += fall;
         for (const Pin& pin : p_.pins) {
             way.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
         }
@@ -232,7 +277,7 @@ class Minimization {
             w_.extra.add_product(pin_way, w_.product);
             w_.rhs -= w_.product;
             zero_pinned(w_.rhs);
-            if (!factorize()) return false;
+            if (!factorize(true)) return false;
             w_.direction.setZero(x.size());
             if (conjugate_gradients(1e-2, most_fresh) == Cg::indefinite) return false;
             VecX way = w_.direction;
@@ -260,20 +305,24 @@ class Minimization {
     }
 
     double share_placing(const VecX& x, const VecX& d) const {
+        const Stopwatch watch(times_.detection);
         double share = 1.0;
         share = std::min(share, p_.potential.largest_share(x, d));
         return std::min(share, p_.contact.largest_share_placing(x, d));
     }
 
-    static constexpr int most_stale = 10;  // about what a factorization costs
+    static constexpr int most_stale = 12;  // about what a factorization costs
     static constexpr int most_fresh = 200;
 
     const ContactProblem& p_;
     SparseSolver& solver_;
     ContactWorkspace& w_;
     ContactSolveReport& report_;
+    ContactTimes& times_;
     double h2_;
-    bool have_factor_ = false, indefinite_ = false;
+    SparseSolver* factor_ = nullptr;
+    bool half_ = true;  ///< half precision has served so far
+    bool have_factor_ = false;
 };
 
 }  // namespace

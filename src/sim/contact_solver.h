@@ -1,10 +1,12 @@
 #pragma once
 // Minimises a stage's incremental potential (integrator.h) among barriers, without ever passing through one.
 
+#include <optional>
 #include <vector>
 
 #include "sim/barrier_contact.h"
 #include "sim/block_matrix.h"
+#include "sim/contact_times.h"
 #include "sim/model.h"
 #include "sim/pins.h"
 #include "sim/potential.h"
@@ -25,7 +27,8 @@ struct ContactProblem {
 
 /// Memory of the solves.
 struct ContactWorkspace {
-    BlockMatrix system;
+    std::optional<SparseSolver> half;  ///< of half precision, the same vertices left out as in the other
+    BlockMatrix system, exact, projected;
     ExtraBlocks extra;
     VecX gradient, rhs, direction, product, residual, preconditioned, conjugate, trial, momentum, start;
 };
@@ -35,17 +38,19 @@ struct ContactSolveReport {
     int newton_iterations = 0, cg_iterations = 0, factorizations = 0, placements = 0;
     double residual = 0.0;  ///< |∇Φ| / |∇Φ at the start|
     int worst_vertex = -1;
+    ContactTimes times;
 };
 
 /// From the allowed positions x to the minimum.
 ///
 /// 1. Pins and colliders go to where they are at the stage's end, together with what the cloth's stiffness
 ///    and the contacts make of their way, as far as is free at a time.
-/// 2. First guess: inertia's, each vertex stopped where it would meet something.
+/// 2. First guess: inertia's and gravity's, each vertex stopped where it would meet something.
 /// 3. Newton's method. Each step is shortened to what continuous collision detection says is free, then by
 ///    Armijo's rule. The linear system is solved by conjugate gradients on the whole matrix, preconditioned
 ///    by a Cholesky factor of its part within the fixed pattern (all but the blocks that couple the two sides
-///    of a contact); a factor is kept within the stage while it still serves.
+///    of a contact), in half precision where that serves; a factor is kept within the stage while it serves.
+///    It ends at the residual asked for, or after a step slower than the scene's newton_speed.
 ContactSolveReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
                                          ContactWorkspace& w);
 

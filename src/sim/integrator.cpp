@@ -80,6 +80,7 @@ void leave_out(const Model& model, const std::vector<Pin>& pins, Workspace& w) {
     for (const Pin& pin : pins) vertices.push_back(pin.vertex);
     if (vertices == w.pinned) return;
     w.solver = SparseSolver(model.pattern, vertices);
+    if (w.contact) w.contact_work.half.emplace(model.pattern, vertices, SparseSolver::Precision::half);
     w.pinned = std::move(vertices);
 }
 
@@ -179,6 +180,7 @@ bool minimize_among_barriers(const Model& model, const State& state, const Stage
     report.placements += solve.placements;
     report.cg_iterations += solve.cg_iterations;
     report.factorizations += solve.factorizations;
+    report.contact_times += solve.times;
     report.residual = std::max(report.residual, solve.residual);
     if (solve.worst_vertex >= 0) report.worst_vertex = solve.worst_vertex;
     if (!solve.converged) return false;
@@ -472,6 +474,7 @@ bool step_by(const Model& model, State& state, double dt, int halvings, Workspac
     report.placements += attempt.placements;
     report.cg_iterations += attempt.cg_iterations;
     report.factorizations += attempt.factorizations;
+    report.contact_times += attempt.contact_times;
     report.contacts = std::max(report.contacts, attempt.contacts);
     if (converged) {
         report.smallest_gap = std::min(report.smallest_gap, attempt.smallest_gap);
@@ -516,6 +519,7 @@ Workspace::Workspace(const Model& model)
     if (model.scene.simulation.contact == ContactKind::barrier) {
         contact.emplace(make_contact_system(model));
         contact->bind(model.pattern);
+        contact_work.half.emplace(model.pattern, pinned, SparseSolver::Precision::half);
     }
 }
 

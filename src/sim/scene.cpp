@@ -60,6 +60,8 @@ void validate_simulation(const SimulationDesc& s) {
             "is " + std::to_string(s.retries) + "; must be 0 … 20");
     require(s.newton_tolerance > 0.0 && s.newton_tolerance < 1.0, "simulation.newton_tolerance",
             "is " + number(s.newton_tolerance) + "; must lie between 0 and 1");
+    require(s.newton_speed >= 0.0 && std::isfinite(s.newton_speed), "simulation.newton_speed",
+            "is " + number(s.newton_speed) + " m/s; must be at least 0 m/s");
 }
 
 void validate_fabric(const Fabric& f, const std::string& key) {

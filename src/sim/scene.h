@@ -250,6 +250,9 @@ struct SimulationDesc {
     double contact_activation = 1e-3;  ///< of `barrier`: gap at which repulsion begins [m]
     int newton_iterations = 50;        ///< most Newton iterations of one solve
     double newton_tolerance = 1e-6;    ///< residual |g| / |g at the step's start| at which Newton stops
+    /// Of `barrier`: Newton stops as well after a step in which no vertex goes farther than this speed's way
+    /// in a time step [m/s]; 0: by the residual alone.
+    double newton_speed = 0.0;
     int retries = 6;  ///< times that a step which does not converge is halved before the run stops
     AirDesc air;
 

@@ -71,6 +71,7 @@ FrameReport Simulation::advance_frame() {
         frame.placements += step_report.placements;
         frame.cg_iterations += step_report.cg_iterations;
         frame.factorizations += step_report.factorizations;
+        frame.contact_times += step_report.contact_times;
         ++frame.steps;
         if (!step_report.converged) {
             frame.non_finite_vertex = step_report.non_finite_vertex;

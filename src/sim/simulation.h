@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "sim/contact_times.h"
 #include "sim/model.h"
 #include "sim/scene.h"
 #include "sim/state.h"
@@ -27,6 +28,7 @@ struct StepReport {
     int placements = 0;                    ///< of `barrier`: solves that took pins and colliders along
     int cg_iterations = 0;                 ///< of `barrier`: within the linear solves
     int factorizations = 0;                ///< of `barrier`
+    ContactTimes contact_times;            ///< of `barrier`
     std::optional<int> worst_vertex;       ///< where a step that did not converge is farthest from balance
     std::optional<int> non_finite_vertex;  ///< the state is no longer usable
 };

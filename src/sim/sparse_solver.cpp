@@ -13,7 +13,9 @@ namespace cloth {
 namespace {
 
 /// Consecutive columns (vertices, in elimination order) with the same structure below them.
+template <class Scalar>
 struct Supernode {
+    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
     int first = 0, width = 0;  ///< columns first … first + width - 1
     std::vector<int> rows;     ///< the columns themselves, then the rows below, ascending
     int parent = -1;
@@ -26,14 +28,17 @@ struct Supernode {
     };
     std::vector<Entry> entries;
     std::vector<int> place_in_parent;  ///< of each row below: index into the parent's rows
-    Eigen::MatrixXd factor;            ///< 3 rows × 3 width: L in these columns
-    Eigen::MatrixXd update;            ///< Schur complement handed to the parent, lower triangle
-    long subtree_work = 0;             ///< rough flops below and here, to decide what is worth a task
+    Matrix factor;                     ///< 3 rows × 3 width: L in these columns
+    Matrix update;                     ///< Schur complement handed to the parent, lower triangle
+    /// While solving: the right-hand side's part on `rows`, then what this subtree takes from the rows below.
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> part;
+    long subtree_work = 0;  ///< rough flops below and here, to decide what is worth a task
 };
 
 /// Columns of a supernode may be padded with zeros up to this share to merge it with its parent: fewer,
 /// larger fronts are faster than the flops that they save.
-bool worth_merging(const Supernode& child, const Supernode& parent) {
+template <class Scalar>
+bool worth_merging(const Supernode<Scalar>& child, const Supernode<Scalar>& parent) {
     if (child.first + child.width != parent.first) return false;
     const double rows_merged = child.width + static_cast<double>(parent.rows.size());
     const double width_merged = child.width + parent.width;
@@ -48,19 +53,45 @@ bool worth_merging(const Supernode& child, const Supernode& parent) {
 }  // namespace
 
 struct SparseSolver::Impl {
-    int vertex_count = 0;
-    std::vector<int> vertex_at;  ///< elimination order → vertex
-    std::vector<Supernode> nodes;
-    std::vector<int> roots;
-    std::atomic<bool> failed{false};
-
-    void factorize_subtree(int s, const BlockMatrix& A);
-    void factorize_front(int s, const BlockMatrix& A);
+    virtual ~Impl() = default;
+    virtual bool factorize(const BlockMatrix& A) = 0;
+    virtual void solve(const VecX& b, VecX& x) = 0;
 };
 
-SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned)
-    : impl_(std::make_unique<Impl>()) {
-    Impl& d = *impl_;
+namespace {
+
+template <class Scalar>
+struct Multifrontal final : SparseSolver::Impl {
+    using Node = Supernode<Scalar>;
+    using Matrix = typename Node::Matrix;
+
+    int vertex_count = 0;
+    std::vector<int> vertex_at;  ///< elimination order → vertex
+    std::vector<Node> nodes;
+    std::vector<int> roots;
+    std::atomic<bool> failed{false};
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> y;  ///< while solving, in elimination order
+
+    Multifrontal(const BlockPattern& pattern, const std::vector<int>& pinned);
+    bool factorize(const BlockMatrix& A) override;
+    void solve(const VecX& b, VecX& x) override;
+
+    void factorize_front(int s, const BlockMatrix& A);
+    void forward(int s);
+    void backward(int s);
+    /// visit(s) for s and all below it, children before parents or the other way round; large subtrees on
+    /// different threads.
+    template <class F>
+    void up_tree(int s, const F& visit);
+    template <class F>
+    void down_tree(int s, const F& visit);
+    template <class F>
+    void for_children(int s, const F& visit);
+};
+
+template <class Scalar>
+Multifrontal<Scalar>::Multifrontal(const BlockPattern& pattern, const std::vector<int>& pinned) {
+    Multifrontal& d = *this;
     d.vertex_count = pattern.vertex_count();
 
     std::vector<int> free_index(d.vertex_count, -1), free_vertices;
@@ -161,28 +192,28 @@ SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& 
                        std::back_inserter(merged));
         up.swap(merged);
     }
-    std::vector<Supernode> nodes;
+    std::vector<Node> found;
     std::vector<int> node_of(n);
     for (int j = 0; j < n; ++j) {
         const bool continues = j > 0 && parent[j - 1] == j && child_count[j] == 1 &&
                                structure[j - 1].size() == structure[j].size() + 1;
         if (!continues) {
-            nodes.emplace_back();
-            nodes.back().first = j;
-            nodes.back().rows.push_back(j);
-            nodes.back().rows.insert(nodes.back().rows.end(), structure[j].begin(), structure[j].end());
+            found.emplace_back();
+            found.back().first = j;
+            found.back().rows.push_back(j);
+            found.back().rows.insert(found.back().rows.end(), structure[j].begin(), structure[j].end());
         }
-        ++nodes.back().width;
-        node_of[j] = static_cast<int>(nodes.size()) - 1;
+        ++found.back().width;
+        node_of[j] = static_cast<int>(found.size()) - 1;
     }
     // Merge a supernode into its parent where they are neighbours and little is padded. From the top down in
     // postorder the last child of a parent is the one that touches it.
-    std::vector<bool> gone(nodes.size(), false);
-    for (int s = static_cast<int>(nodes.size()) - 1; s >= 0; --s) {
-        Supernode& child = nodes[s];
+    std::vector<bool> gone(found.size(), false);
+    for (int s = static_cast<int>(found.size()) - 1; s >= 0; --s) {
+        Node& child = found[s];
         if (static_cast<int>(child.rows.size()) == child.width) continue;
         const int p = node_of[child.rows[child.width]];
-        Supernode& up = nodes[p];
+        Node& up = found[p];
         if (!worth_merging(child, up)) continue;
         std::vector<int> rows(child.rows.begin(), child.rows.begin() + child.width);
         rows.insert(rows.end(), up.rows.begin(), up.rows.end());
@@ -192,16 +223,16 @@ SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& 
         for (int j = child.first; j < child.first + child.width; ++j) node_of[j] = p;
         gone[s] = true;
     }
-    std::vector<int> renumbered(nodes.size(), -1);
-    for (std::size_t s = 0; s < nodes.size(); ++s) {
+    std::vector<int> renumbered(found.size(), -1);
+    for (std::size_t s = 0; s < found.size(); ++s) {
         if (gone[s]) continue;
         renumbered[s] = static_cast<int>(d.nodes.size());
-        d.nodes.push_back(std::move(nodes[s]));
+        d.nodes.push_back(std::move(found[s]));
     }
     for (int& s : node_of) s = renumbered[s];
 
     for (std::size_t s = 0; s < d.nodes.size(); ++s) {
-        Supernode& node = d.nodes[s];
+        Node& node = d.nodes[s];
         const auto height = static_cast<long>(node.rows.size());
         node.factor.resize(3 * height, 3 * node.width);
         node.subtree_work += node.width * height * height;
@@ -210,7 +241,7 @@ SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& 
             continue;
         }
         node.parent = node_of[node.rows[node.width]];
-        Supernode& up = d.nodes[node.parent];
+        Node& up = d.nodes[node.parent];
         up.children.push_back(static_cast<int>(s));
         up.subtree_work += node.subtree_work;
         for (std::size_t r = node.width; r < node.rows.size(); ++r) {
@@ -226,7 +257,7 @@ SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& 
             const int row = position[a], column = position[b];  // the stored block is (row, column)
             const bool transposed = row < column;
             const int low = std::min(row, column), high = std::max(row, column);
-            Supernode& node = d.nodes[node_of[low]];
+            Node& node = d.nodes[node_of[low]];
             const int front_row = static_cast<int>(
                 std::lower_bound(node.rows.begin(), node.rows.end(), high) - node.rows.begin());
             node.entries.push_back({front_row, low - node.first, slot, transposed});
@@ -234,111 +265,195 @@ SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& 
     }
 }
 
-SparseSolver::~SparseSolver() = default;
-SparseSolver::SparseSolver(SparseSolver&&) noexcept = default;
-SparseSolver& SparseSolver::operator=(SparseSolver&&) noexcept = default;
-
-void SparseSolver::Impl::factorize_front(int s, const BlockMatrix& A) {
-    Supernode& node = nodes[s];
-    Eigen::MatrixXd& L = node.factor;
-    Eigen::MatrixXd& U = node.update;
+template <class Scalar>
+void Multifrontal<Scalar>::factorize_front(int s, const BlockMatrix& A) {
+    Node& node = nodes[s];
+    Matrix& L = node.factor;
+    Matrix& U = node.update;
     const int width = 3 * node.width;
     const auto below = static_cast<int>(node.place_in_parent.size()) * 3;
     L.setZero();
     U.setZero();
-    for (const Supernode::Entry& e : node.entries) {
+    for (const auto& e : node.entries) {
+        auto target = L.template block<3, 3>(3 * e.row, 3 * e.column);
         if (e.transposed) {
-            L.block<3, 3>(3 * e.row, 3 * e.column) = A.blocks[e.slot].transpose();
+            target = A.blocks[e.slot].transpose().template cast<Scalar>();
         } else {
-            L.block<3, 3>(3 * e.row, 3 * e.column) = A.blocks[e.slot];
+            target = A.blocks[e.slot].template cast<Scalar>();
         }
     }
     for (int c : node.children) {
-        const Supernode& child = nodes[c];
+        const Node& child = nodes[c];
         const auto& place = child.place_in_parent;
         for (std::size_t j = 0; j < place.size(); ++j) {
             const auto column = static_cast<Eigen::Index>(3 * j);
             for (std::size_t i = j; i < place.size(); ++i) {
                 const auto row = static_cast<Eigen::Index>(3 * i);
+                const auto from = child.update.template block<3, 3>(row, column);
                 if (place[j] < node.width) {
-                    L.block<3, 3>(3 * place[i], 3 * place[j]) += child.update.block<3, 3>(row, column);
+                    L.template block<3, 3>(3 * place[i], 3 * place[j]) += from;
                 } else {
-                    U.block<3, 3>(3 * (place[i] - node.width), 3 * (place[j] - node.width)) +=
-                        child.update.block<3, 3>(row, column);
+                    U.template block<3, 3>(3 * (place[i] - node.width), 3 * (place[j] - node.width)) += from;
                 }
             }
         }
     }
     auto top = L.topRows(width);
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(top);
+    Eigen::LLT<Eigen::Ref<Matrix>> llt(top);
     // Eigen lets a NaN pivot pass.
     if (llt.info() != Eigen::Success || !top.diagonal().allFinite()) {
         failed = true;
         return;
     }
-    if (below > 0) {
-        auto bottom = L.bottomRows(below);
-        top.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(bottom);
-        U.selfadjointView<Eigen::Lower>().rankUpdate(bottom, -1.0);
+    if (below == 0) return;
+    auto bottom = L.bottomRows(below);
+    // A large front is worth several threads: pieces of fixed size, whose sums are the same on any number.
+    constexpr int piece = 120;
+    if (below < 3 * piece) {
+        top.template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(
+            bottom);
+        U.template selfadjointView<Eigen::Lower>().rankUpdate(bottom, Scalar(-1));
+        return;
     }
+    const int pieces = (below + piece - 1) / piece;
+    tbb::parallel_for(0, pieces, [&](int p) {
+        auto rows = bottom.middleRows(p * piece, std::min(piece, below - p * piece));
+        top.template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(
+            rows);
+    });
+    tbb::parallel_for(0, pieces, [&](int p) {
+        const int first = p * piece, size = std::min(piece, below - first), rest = below - first - size;
+        const auto rows = bottom.middleRows(first, size);
+        U.block(first, first, size, size)
+            .template selfadjointView<Eigen::Lower>()
+            .rankUpdate(rows, Scalar(-1));
+        if (rest > 0) {
+            U.block(first + size, first, rest, size).noalias() -= bottom.bottomRows(rest) * rows.transpose();
+        }
+    });
 }
 
-void SparseSolver::Impl::factorize_subtree(int s, const BlockMatrix& A) {
-    const Supernode& node = nodes[s];
+template <class Scalar>
+template <class F>
+void Multifrontal<Scalar>::for_children(int s, const F& visit) {
     constexpr long worth_a_task = 20000;
-    std::vector<int> large, small;
-    for (int c : node.children) (nodes[c].subtree_work > worth_a_task ? large : small).push_back(c);
+    std::vector<int> large;
+    for (int c : nodes[s].children) {
+        if (nodes[c].subtree_work > worth_a_task) large.push_back(c);
+    }
     if (large.size() > 1) {
         tbb::task_group group;
-        for (int c : large) group.run([this, c, &A] { factorize_subtree(c, A); });
+        for (int c : large) group.run([c, &visit] { visit(c); });
         group.wait();
     } else {
-        for (int c : large) factorize_subtree(c, A);
+        for (int c : large) visit(c);
     }
-    for (int c : small) factorize_subtree(c, A);
-    if (!failed) factorize_front(s, A);
+    for (int c : nodes[s].children) {
+        if (nodes[c].subtree_work <= worth_a_task) visit(c);
+    }
 }
 
-bool SparseSolver::factorize(const BlockMatrix& A) {
-    Impl& d = *impl_;
-    d.failed = false;
-    for (int root : d.roots) {
-        if (!d.failed) d.factorize_subtree(root, A);
+template <class Scalar>
+template <class F>
+void Multifrontal<Scalar>::up_tree(int s, const F& visit) {
+    for_children(s, [&](int c) { up_tree(c, visit); });
+    visit(s);
+}
+
+template <class Scalar>
+template <class F>
+void Multifrontal<Scalar>::down_tree(int s, const F& visit) {
+    visit(s);
+    for_children(s, [&](int c) { down_tree(c, visit); });
+}
+
+template <class Scalar>
+bool Multifrontal<Scalar>::factorize(const BlockMatrix& A) {
+    failed = false;
+    for (int root : roots) {
+        if (!failed) {
+            up_tree(root, [&](int s) {
+                if (!failed) factorize_front(s, A);
+            });
+        }
     }
-    return !d.failed;
+    return !failed;
+}
+
+template <class Scalar>
+void Multifrontal<Scalar>::forward(int s) {
+    Node& node = nodes[s];
+    const int width = 3 * node.width;
+    auto& part = node.part;
+    part.setZero(node.factor.rows());
+    part.head(width) = y.segment(3 * node.first, width);
+    for (int c : node.children) {
+        const Node& child = nodes[c];
+        for (std::size_t r = 0; r < child.place_in_parent.size(); ++r) {
+            part.template segment<3>(3 * child.place_in_parent[r]) +=
+                child.part.template segment<3>(static_cast<Eigen::Index>(3 * (child.width + r)));
+        }
+    }
+    auto top = part.head(width);
+    node.factor.topRows(width).template triangularView<Eigen::Lower>().solveInPlace(top);
+    y.segment(3 * node.first, width) = top;
+    if (node.parent < 0) return;
+    const Eigen::Index below = node.factor.rows() - width;
+    part.tail(below).noalias() -= node.factor.bottomRows(below) * top;
+}
+
+template <class Scalar>
+void Multifrontal<Scalar>::backward(int s) {
+    Node& node = nodes[s];
+    const int width = 3 * node.width;
+    auto top = y.segment(3 * node.first, width);
+    if (node.parent >= 0) {
+        const Eigen::Index below = node.factor.rows() - width;
+        auto part = node.part.tail(below);
+        for (std::size_t r = node.width; r < node.rows.size(); ++r) {
+            part.template segment<3>(static_cast<Eigen::Index>(3 * (r - node.width))) =
+                y.template segment<3>(3 * node.rows[r]);
+        }
+        top.noalias() -= node.factor.bottomRows(below).transpose() * part;
+    }
+    node.factor.topRows(width).template triangularView<Eigen::Lower>().transpose().solveInPlace(top);
+}
+
+template <class Scalar>
+void Multifrontal<Scalar>::solve(const VecX& b, VecX& x) {
+    const auto n = static_cast<int>(vertex_at.size());
+    y.resize(3 * n);
+    for (int k = 0; k < n; ++k) {
+        y.template segment<3>(3 * k) = b.segment<3>(3 * vertex_at[k]).template cast<Scalar>();
+    }
+    for (int root : roots) up_tree(root, [&](int s) { forward(s); });
+    for (int root : roots) down_tree(root, [&](int s) { backward(s); });
+    x.setZero(3 * vertex_count);
+    for (int k = 0; k < n; ++k) {
+        x.segment<3>(3 * vertex_at[k]) = y.template segment<3>(3 * k).template cast<double>();
+    }
+}
+
+}  // namespace
+
+SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned, Precision precision) {
+    if (precision == Precision::full) {
+        impl_ = std::make_unique<Multifrontal<double>>(pattern, pinned);
+    } else {
+        impl_ = std::make_unique<Multifrontal<float>>(pattern, pinned);
+    }
+}
+
+SparseSolver::~SparseSolver() = default;
+SparseSolver::SparseSolver(SparseSolver&&) noexcept = default;
+SparseSolver& SparseSolver::operator=(SparseSolver&&) noexcept = default;
+
+bool SparseSolver::factorize(const BlockMatrix& A) {
+    return impl_->factorize(A);
 }
 
 void SparseSolver::solve(const VecX& b, VecX& x) const {
-    const Impl& d = *impl_;
-    const auto n = static_cast<int>(d.vertex_at.size());
-    VecX y(3 * n), part;
-    for (int k = 0; k < n; ++k) y.segment<3>(3 * k) = b.segment<3>(3 * d.vertex_at[k]);
-    for (const Supernode& node : d.nodes) {
-        const int width = 3 * node.width;
-        auto top = y.segment(3 * node.first, width);
-        node.factor.topRows(width).triangularView<Eigen::Lower>().solveInPlace(top);
-        if (node.parent < 0) continue;
-        part.noalias() = node.factor.bottomRows(node.factor.rows() - width) * top;
-        for (std::size_t r = node.width; r < node.rows.size(); ++r) {
-            y.segment<3>(3 * node.rows[r]) -=
-                part.segment<3>(static_cast<Eigen::Index>(3 * (r - node.width)));
-        }
-    }
-    for (auto node = d.nodes.rbegin(); node != d.nodes.rend(); ++node) {
-        const int width = 3 * node->width;
-        auto top = y.segment(3 * node->first, width);
-        if (node->parent >= 0) {
-            part.resize(node->factor.rows() - width);
-            for (std::size_t r = node->width; r < node->rows.size(); ++r) {
-                part.segment<3>(static_cast<Eigen::Index>(3 * (r - node->width))) =
-                    y.segment<3>(3 * node->rows[r]);
-            }
-            top.noalias() -= node->factor.bottomRows(node->factor.rows() - width).transpose() * part;
-        }
-        node->factor.topRows(width).triangularView<Eigen::Lower>().transpose().solveInPlace(top);
-    }
-    x.setZero(3 * d.vertex_count);
-    for (int k = 0; k < n; ++k) x.segment<3>(3 * d.vertex_at[k]) = y.segment<3>(3 * k);
+    impl_->solve(b, x);
 }
 
 }  // namespace cloth

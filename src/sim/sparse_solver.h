@@ -18,19 +18,25 @@ namespace cloth {
 
 class SparseSolver {
   public:
+    /// Of the factor: `half` takes half the time and memory, for preconditioners.
+    enum class Precision { full, half };
+
     /// `pinned`: sorted vertices whose rows and columns are left out.
-    SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned);
+    SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned,
+                 Precision precision = Precision::full);
     ~SparseSolver();
     SparseSolver(SparseSolver&&) noexcept;
     SparseSolver& operator=(SparseSolver&&) noexcept;
 
     /// False where the matrix is not positive definite (or not finite).
     bool factorize(const BlockMatrix& A);
-    /// x = A⁻¹ b on the free vertices; 0 on the pinned ones. Requires a successful factorize().
+    /// x = A⁻¹ b on the free vertices; 0 on the pinned ones. Requires a successful factorize(). One call at a
+    /// time.
     void solve(const VecX& b, VecX& x) const;
 
-  private:
     struct Impl;
+
+  private:
     std::unique_ptr<Impl> impl_;
 };
 
