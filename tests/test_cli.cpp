@@ -358,6 +358,30 @@ TEST_CASE("Ctrl-C keeps every finished frame whole", "[cli]") {
     CHECK(place.run("render --out o --quiet --frames 0:2").code == 0);
 }
 
+TEST_CASE("a start with overlaps is refused by exit code 5, and the pairs are named", "[cli]") {
+    const Workplace place;
+    const std::string barrier =
+        "simulate --scene sheet.toml --out o --quiet --frames 4 --set simulation.contact=barrier --set "
+        "simulation.integrator=implicit_euler --set collider.name=ball ";
+    check_refusal(place.run(barrier + "--set cloth.translate=[0.01,0.2,0.02]"), 5,
+                  {"things overlap: collider ball and cloth cloth are ",
+                   " mm nearer than their contact thickness at vertices "});
+    check_refusal(place.run(barrier + "--set collider.shape=box --set collider.contact_offset=0 --set "
+                                      "cloth.translate=[0.01,0.2,0.02]"),
+                  5, {"things overlap: cloth cloth triangle ", " crosses collider ball triangle "});
+
+    // The same a little higher is good, and its report has the gaps.
+    REQUIRE(place.run(barrier + "--set cloth.translate=[0.01,0.263,0.02]").code == 0);
+    const auto report = report_of(place, "o");
+    CHECK(report["frames"][0]["smallest_gap_m"].is_null());
+    for (int frame = 1; frame < 4; ++frame) {
+        CHECK(report["frames"][frame]["smallest_gap_m"] > 0.0);
+        CHECK(report["frames"][frame]["smallest_gap_m"] <= 1e-3);  // contact_activation, where none is near
+        CHECK(report["frames"][frame]["largest_penetration_m"] == 0.0);
+    }
+    CHECK(report["frames"][3]["contacts"] > 0);
+}
+
 // ---------------------------------------------------------------- what is made
 
 TEST_CASE("a run leaves states, pictures, a movie and a report, and says so in its last line", "[cli]") {
@@ -386,6 +410,9 @@ TEST_CASE("a run leaves states, pictures, a movie and a report, and says so in i
     CHECK(report["frames"][4]["largest_stretch"] > 0.5);
     for (const char* key : {"energy_before_J", "energy_after_J", "residual", "iterations", "contacts"})
         CHECK(report["frames"][4][key].is_number());
+    // Only barriers know them.
+    for (const char* key : {"smallest_gap_m", "largest_penetration_m"})
+        CHECK(report["frames"][4][key].is_null());
     const State start = pipeline::read_state(place / "out/sheet/states/state_000000.bin");
     CHECK(start.time == 0);
     CHECK(start.velocities.isZero(0));

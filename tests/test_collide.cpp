@@ -84,7 +84,7 @@ FourPoints random_pair(std::mt19937& random, int degeneracy) {
 
 TEST_CASE("nearest distances agree with a search over the weights in extended precision", "[collide]") {
     std::mt19937 random(1);
-    for (int k = 0; k < 2000; ++k) {
+    for (int k = 0; k < 8000; ++k) {
         const FourPoints x = random_pair(random, k % 18);
         for (PairKind kind : {PairKind::vertex_face, PairKind::edge_edge}) {
             const Nearest n = nearest(kind, x);
@@ -98,7 +98,7 @@ TEST_CASE("nearest distances agree with a search over the weights in extended pr
 
 TEST_CASE("weights are convex, belong to their sides and give the stated distance and slides", "[collide]") {
     std::mt19937 random(2);
-    for (int k = 0; k < 300000; ++k) {
+    for (int k = 0; k < 4000000; ++k) {
         const FourPoints x = random_pair(random, k % 18);
         for (PairKind kind : {PairKind::vertex_face, PairKind::edge_edge}) {
             const Nearest n = nearest(kind, x);
@@ -126,7 +126,7 @@ TEST_CASE("no impact is missed and every step found is free of crossings", "[col
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     int impacts = 0, free_ways = 0;
-    for (int k = 0; k < 60000; ++k) {
+    for (int k = 0; k < 400000; ++k) {
         const FourPoints x = random_pair(random, k % 18);
         FourPoints v = random_pair(random, (k / 18) % 18);
         // Aim one half of them, so that grazes and hits are common; vary the speed over six decades.
@@ -188,6 +188,37 @@ TEST_CASE("triangles cross where an edge passes through the other's inside, and 
     CHECK_FALSE(triangles_cross(floor, floor));
     const std::array<Vec3, 3> beside{Vec3(0.8, -0.5, 0.8), Vec3(0.8, 0.5, 0.8), Vec3(3.0, 0.5, 3.0)};
     CHECK_FALSE(triangles_cross(floor, beside));
+}
+
+TEST_CASE("no two triangles of a flat sheet cross, whichever way it is turned", "[collide]") {
+    Grid grid;
+    grid.size = {0.5, 0.4};
+    grid.resolution = {20, 16};
+    const MeshData sheet = make_grid(grid);
+    std::mt19937 random(7);
+    for (int turn = 0; turn < 6; ++turn) {
+        const double yaw = static_cast<double>(random() % 360), roll = static_cast<double>(random() % 30);
+        const Mat3 rotation = rotation_matrix({-90.0, yaw + 0.1, roll - 15.3});
+        Points x = sheet.positions;
+        for (Eigen::Index v = 0; v < x.rows(); ++v) {
+            x.row(v) = (rotation * Vec3(x.row(v)) + Vec3(-0.05, 0.5, 0.01 * turn)).transpose();
+        }
+        int found = 0;
+        for (Eigen::Index s = 0; s < sheet.triangles.rows(); ++s) {
+            for (Eigen::Index t = s + 1; t < sheet.triangles.rows(); ++t) {
+                std::array<Vec3, 3> a, b;
+                bool shared = false;
+                for (int k = 0; k < 3; ++k) {
+                    a[k] = x.row(sheet.triangles(s, k));
+                    b[k] = x.row(sheet.triangles(t, k));
+                    shared = shared || (sheet.triangles.row(s).array() == sheet.triangles(t, k)).any();
+                }
+                found += !shared && triangles_cross(a, b);
+            }
+        }
+        CAPTURE(turn);
+        CHECK(found == 0);
+    }
 }
 
 TEST_CASE("the broad phase lists exactly the pairs whose boxes overlap", "[collide]") {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cloth {
 namespace {
@@ -36,23 +37,29 @@ Nearest vertex_edge(const FourPoints& x, int p, int a, int b, double sign, doubl
 /// Sine squared between two sides above which their common solution is taken without looking further.
 constexpr double sharp = 1e-6;
 
-long double orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+/// Sign of the determinant of a-d, b-d, c-d; 0 where rounding could have turned it, as where the points are
+/// in one row of a flat grid.
+int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     using L3 = Eigen::Matrix<long double, 3, 1>;
     const L3 o = d.cast<long double>();
-    return (a.cast<long double>() - o).dot((b.cast<long double>() - o).cross(c.cast<long double>() - o));
-}
-
-int sign(long double v) {
-    return (v > 0.0L) - (v < 0.0L);
+    const L3 p = a.cast<long double>() - o, q = b.cast<long double>() - o, r = c.cast<long double>() - o;
+    const long double value = p.dot(q.cross(r));
+    long double size = 0.0L;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        size += std::abs(p(i)) * (std::abs(q(j) * r(k)) + std::abs(q(k) * r(j)));
+    }
+    const long double rounding = 8.0L * std::numeric_limits<long double>::epsilon() * size;
+    return (value > rounding) - (value < -rounding);
 }
 
 bool segment_crosses_triangle(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) {
-    const int a = sign(orientation(t[0], t[1], t[2], p));
-    const int b = sign(orientation(t[0], t[1], t[2], q));
+    const int a = orientation(t[0], t[1], t[2], p);
+    const int b = orientation(t[0], t[1], t[2], q);
     if (a * b >= 0) return false;
-    const int u = sign(orientation(p, q, t[0], t[1]));
-    const int v = sign(orientation(p, q, t[1], t[2]));
-    const int w = sign(orientation(p, q, t[2], t[0]));
+    const int u = orientation(p, q, t[0], t[1]);
+    const int v = orientation(p, q, t[1], t[2]);
+    const int w = orientation(p, q, t[2], t[0]);
     return u != 0 && u == v && v == w;
 }
 

@@ -192,11 +192,12 @@ void require_no_overlap(const Model& model, const BarrierContact& contact, const
         }
         return 0;
     };
-    std::string text = "things overlap:";
+    std::string text;
+    auto next = [&] { return std::string(text.empty() ? "things overlap: " : "; "); };
     std::vector<int> triangles;
     for (const Overlap& o : overlaps) {
         if (o.faces[0] >= 0) {
-            text += "\n  " + name(o.body_a) + " triangle " +
+            text += next() + name(o.body_a) + " triangle " +
                     std::to_string(o.faces[0] - first_face(o.body_a)) + " crosses " + name(o.body_b) +
                     " triangle " + std::to_string(o.faces[1] - first_face(o.body_b));
             for (int f : o.faces) {
@@ -206,7 +207,7 @@ void require_no_overlap(const Model& model, const BarrierContact& contact, const
         }
         char gap[32];
         std::snprintf(gap, sizeof gap, "%.3g", -1e3 * o.gap);
-        text += "\n  " + name(o.body_a) + " and " + name(o.body_b) + " are " + gap +
+        text += next() + name(o.body_a) + " and " + name(o.body_b) + " are " + gap +
                 " mm nearer than their contact thickness at vertices";
         for (int v : o.points) {
             if (v < 0) continue;
@@ -222,7 +223,7 @@ void require_no_overlap(const Model& model, const BarrierContact& contact, const
             }
         }
     }
-    if (overlaps.size() == 10) text += "\n  and maybe more";
+    if (overlaps.size() == 10) text += "; and maybe more";
     std::sort(triangles.begin(), triangles.end());
     triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
     throw OverlapError(text, triangles);
