@@ -310,6 +310,9 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
              {"largest_stretch", r.largest_stretch},
              {"smallest_gap_m", std::isfinite(r.smallest_gap) ? nlohmann::ordered_json(r.smallest_gap)
                                                               : nlohmann::ordered_json()},
+             {"largest_penetration_m", std::isfinite(r.smallest_gap)
+                                           ? nlohmann::ordered_json(std::max(0.0, -r.smallest_gap))
+                                           : nlohmann::ordered_json()},
              {"contacts", r.contacts},
              {"state_hash", record.state_hash}});
     }
