@@ -112,7 +112,7 @@ class BarrierContact final : public Energy {
     void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H, ExtraBlocks& extra) const;
     void append_pairs(std::vector<std::array<int, 2>>& pairs) const override;
     void bind(const BlockPattern& pattern) override { pattern_ = &pattern; }
-    double largest_share(const VecX& x, const VecX& d) const override;
+    double largest_share(const VecX& x, const VecX& d) const;
 
     int contact_count(const VecX& x) const;
     int candidate_count() const { return static_cast<int>(candidates_.size()); }

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "sim/line_search.h"
+
 namespace cloth {
 namespace {
 
@@ -55,20 +57,12 @@ class Minimization {
             if (converged) break;
             const bool last = w_.direction.cwiseAbs().maxCoeff() < options.newton_speed * p_.h;
             const double slope = -w_.rhs.dot(w_.direction) / h2_;
-            constexpr double sufficient = 1e-4;
-            w_.start = x;
             const double rounding = 1e-13 * (std::abs(value) + p_.model.weight * extent);
-            double length = largest_share(w_.start, w_.direction);
-            bool accepted = false;
-            for (int halvings = 0; halvings < 40 && !accepted; ++halvings, length *= 0.5) {
-                x = w_.start + length * w_.direction;
-                const double trial = objective(x);
-                accepted = trial <= value + sufficient * length * slope ||
-                           (trial <= value + rounding && gradient(x) < norm);
-                if (accepted) value = trial;
-            }
-            if (!accepted) {
-                x = w_.start;
+            w_.start = x;
+            if (!search_line(
+                    w_.start, w_.direction, largest_share(x, w_.direction), slope, rounding, norm,
+                    [&](const VecX& at) { return objective(at); },
+                    [&](const VecX& at) { return gradient(at); }, x, value)) {
                 break;
             }
             norm = gradient(x);
@@ -76,11 +70,7 @@ class Minimization {
         }
         norm = gradient(x);
         report_.residual = scale > 0.0 ? norm / scale : 0.0;
-        if (!converged) {
-            Eigen::Index worst = 0;
-            w_.rhs.reshaped(3, w_.rhs.size() / 3).colwise().squaredNorm().maxCoeff(&worst);
-            report_.worst_vertex = static_cast<int>(worst);
-        }
+        if (!converged) report_.worst_vertex = worst_vertex(w_.rhs);
         return converged;
     }
 
@@ -105,12 +95,8 @@ class Minimization {
         w_.residual = at - p_.y;
         multiply(p_.model.pattern, p_.model.mass, w_.residual, w_.momentum);
         w_.rhs = -(w_.momentum + h2_ * w_.gradient);
-        zero_pinned(w_.rhs);
+        zero_pinned(p_.pins, w_.rhs);
         return w_.rhs.norm() / h2_;
-    }
-
-    void zero_pinned(VecX& v) const {
-        for (const Pin& pin : p_.pins) v.segment<3>(3 * pin.vertex).setZero();
     }
 
     void assemble(const VecX& x, HessianKind kind) {
@@ -141,15 +127,13 @@ class Minimization {
 
     double largest_share(const VecX& x, const VecX& d) const {
         const Stopwatch watch(times_.detection);
-        double share = 1.0;
-        share = std::min(share, p_.potential.largest_share(x, d));
-        return std::min(share, p_.contact.largest_share(x, d));
+        return p_.contact.largest_share(x, d);
     }
 
     void apply(const VecX& v, VecX& out) {
         multiply(p_.model.pattern, w_.system, v, out);
         w_.extra.add_product(v, out);
-        zero_pinned(out);
+        zero_pinned(p_.pins, out);
     }
 
     enum class Cg { converged, slow, indefinite };
@@ -160,14 +144,14 @@ class Minimization {
         VecX &d = w_.direction, &r = w_.residual, &z = w_.preconditioned, &q = w_.conjugate;
         apply(d, r);
         r = w_.rhs - r;
-        zero_pinned(r);
+        zero_pinned(p_.pins, r);
         const double target = tolerance * w_.rhs.norm();
         double rz = 0.0;
         for (int k = 0; r.norm() > target; ++k) {
             if (k == most) return Cg::slow;
             ++report_.cg_iterations;
             factor_->solve(r, z);
-            zero_pinned(z);
+            zero_pinned(p_.pins, z);
             const double rz_new = r.dot(z);
             if (k == 0) {
                 q = z;
@@ -230,32 +214,19 @@ class Minimization {
         VecX way = p_.y - x;
         const Vec3 fall = h2_ * p_.model.scene.simulation.gravity;
         way.reshaped(3, way.size() / 3).colwise() += fall;
-        for (const Pin& pin : p_.pins) {
-            way.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
-        }
+        set_pinned_way(p_.pins, x, way);
         return way;
     }
 
     /// Takes pins and colliders to the stage's end.
     bool place(VecX& x) {
-        auto pins_placed = [&] {
-            for (const Pin& pin : p_.pins) {
-                if (x.segment<3>(3 * pin.vertex) != pin.position) return false;
-            }
-            return true;
-        };
-        auto set_pins = [&] {
-            for (const Pin& pin : p_.pins) x.segment<3>(3 * pin.vertex) = pin.position;
-        };
-        if (p_.contact.placed() && pins_placed()) return true;
+        if (p_.contact.placed() && pins_placed(p_.pins, x)) return true;
         const VecX free_way = way_to_guess(x);
         if (share_placing(x, free_way) == 1.0) {
             const VecX before = x;
             x += free_way;
-            set_pins();
-            double value = 0.0;
-            value += p_.potential.value(x);
-            if (std::isfinite(value)) {
+            place_pinned(p_.pins, x);
+            if (std::isfinite(p_.potential.value(x))) {
                 p_.contact.place(1.0);
                 return true;
             }
@@ -270,34 +241,27 @@ class Minimization {
             w_.rhs -= h2_ * w_.gradient;
             assemble(x, HessianKind::projected);
             VecX pin_way = VecX::Zero(x.size());
-            for (const Pin& pin : p_.pins) {
-                pin_way.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
-            }
+            set_pinned_way(p_.pins, x, pin_way);
             multiply(p_.model.pattern, w_.system, pin_way, w_.product);
             w_.extra.add_product(pin_way, w_.product);
             w_.rhs -= w_.product;
-            zero_pinned(w_.rhs);
+            zero_pinned(p_.pins, w_.rhs);
             if (!factorize(true)) return false;
             w_.direction.setZero(x.size());
             if (conjugate_gradients(1e-2, most_fresh) == Cg::indefinite) return false;
             VecX way = w_.direction;
-            for (const Pin& pin : p_.pins) {
-                way.segment<3>(3 * pin.vertex) = pin_way.segment<3>(3 * pin.vertex);
-            }
+            set_pinned_way(p_.pins, x, way);
             double share = share_placing(x, way);
             const VecX start = x;
             x = start + share * way;
-            for (int halvings = 0;; ++halvings) {
-                double value = 0.0;
-                value += p_.potential.value(x);
-                if (std::isfinite(value)) break;
+            for (int halvings = 0; !std::isfinite(p_.potential.value(x)); ++halvings) {
                 if (halvings == 30) return false;
                 share *= 0.5;
                 x = start + share * way;
             }
             p_.contact.place(share);
             if (share == 1.0) {
-                set_pins();
+                place_pinned(p_.pins, x);
                 return true;
             }
         }
@@ -306,9 +270,7 @@ class Minimization {
 
     double share_placing(const VecX& x, const VecX& d) const {
         const Stopwatch watch(times_.detection);
-        double share = 1.0;
-        share = std::min(share, p_.potential.largest_share(x, d));
-        return std::min(share, p_.contact.largest_share_placing(x, d));
+        return p_.contact.largest_share_placing(x, d);
     }
 
     static constexpr int most_stale = 12;  // about what a factorization costs

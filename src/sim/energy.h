@@ -28,9 +28,6 @@ class Energy {
     virtual void append_pairs(std::vector<std::array<int, 2>>& pairs) const = 0;
     /// Looks up where its blocks lie; called once, before the first add_hessian.
     virtual void bind(const BlockPattern& pattern) = 0;
-
-    /// The share, in [0, 1], of the straight way from x to x + d that is free for certain.
-    virtual double largest_share(const VecX& /*x*/, const VecX& /*d*/) const { return 1.0; }
 };
 
 /// What a solve knows of its step. Velocities within it are (x - base) / h, with x the positions solved for

@@ -7,6 +7,7 @@
 #include "sim/colliders.h"
 #include "sim/contact.h"
 #include "sim/drag.h"
+#include "sim/line_search.h"
 #include "sim/membrane.h"
 #include "sim/potential.h"
 #include "sim/simulation.h"
@@ -70,10 +71,6 @@ double kinetic_energy(const Model& model, const VecX& v, VecX& scratch) {
     return 0.5 * v.dot(scratch);
 }
 
-void zero_pinned(const std::vector<Pin>& pins, VecX& v) {
-    for (const Pin& pin : pins) v.segment<3>(3 * pin.vertex).setZero();
-}
-
 /// Makes the solver leave out the vertices of `pins` and no others.
 void leave_out(const Model& model, const std::vector<Pin>& pins, Workspace& w) {
     std::vector<int> vertices;
@@ -119,19 +116,44 @@ bool factorize_newton_system(const Model& model, const Potential& potential, con
     return w.solver.factorize(w.system);
 }
 
+/// Detection at the old positions and the filter at the new velocities, as the assignment's.
+class FilterOfStep {
+  public:
+    FilterOfStep(const Model& model, const State& state, StepReport& report) {
+        if (model.scene.simulation.contact != ContactKind::velocity_filter) return;
+        contacts_ =
+            find_filter_contacts(model.scene.colliders, touched_colliders(model, state), state.positions);
+        report.contacts = std::max(report.contacts, static_cast<int>(contacts_.size()));
+    }
+    void apply(VecX& v) const { filter_velocities(contacts_, v); }
+    /// Positions follow the filtered velocities.
+    void apply(double h, VecX& x, VecX& v) const {
+        if (contacts_.empty()) return;
+        VecX filtered = v;
+        filter_velocities(contacts_, filtered);
+        x += h * (filtered - v);
+        v = filtered;
+    }
+
+  private:
+    std::vector<FilterContact> contacts_;
+};
+
+/// The velocities that take pins from `start` to their places within dt.
+void set_pinned_velocities(const std::vector<Pin>& pins, const VecX& start, double dt, VecX& v) {
+    for (const Pin& pin : pins) {
+        v.segment<3>(3 * pin.vertex) = (pin.position - start.segment<3>(3 * pin.vertex)) / dt;
+    }
+}
+
 bool step_linearly_implicit(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                             Workspace& w, StepReport& report) {
     const SimulationDesc& options = model.scene.simulation;
     const VecX start = state.positions;
     const Stage step{{{1.0, start}}, dt, state.time + dt, state};
     const StagePotential stage(model, state, step, start, w);
-    std::vector<FilterContact> filtered;
-    if (options.contact == ContactKind::velocity_filter) {
-        filtered =
-            find_filter_contacts(model.scene.colliders, touched_colliders(model, state), state.positions);
-    }
-    report.contacts = std::max(
-        report.contacts, stage.penalty ? stage.penalty->contact_count() : static_cast<int>(filtered.size()));
+    const FilterOfStep filter(model, state, report);
+    if (stage.penalty) report.contacts = std::max(report.contacts, stage.penalty->contact_count());
     assemble_system(model, stage.potential, state.positions, dt, options.hessian, w.system);
     stage.potential.gradient(state.positions, w.gradient);
     multiply(model.pattern, model.mass, state.velocities, w.rhs);
@@ -141,16 +163,14 @@ bool step_linearly_implicit(const Model& model, State& state, double dt, const s
 
     // Pins that move take their neighbours along.
     w.trial.setZero(w.rhs.size());
-    for (const Pin& pin : pins) {
-        w.trial.segment<3>(3 * pin.vertex) = (pin.position - state.positions.segment<3>(3 * pin.vertex)) / dt;
-    }
+    set_pinned_velocities(pins, state.positions, dt, w.trial);
     if (!w.trial.isZero(0.0)) {
         multiply(model.pattern, w.system, w.trial, w.momentum);
         w.rhs -= w.momentum;
     }
     w.solver.solve(w.rhs, w.velocity);
-    filter_velocities(filtered, w.velocity);
-    for (const Pin& pin : pins) w.velocity.segment<3>(3 * pin.vertex) = w.trial.segment<3>(3 * pin.vertex);
+    filter.apply(w.velocity);
+    set_pinned_velocities(pins, state.positions, dt, w.velocity);
 
     state.velocities = w.velocity;
     state.positions += dt * w.velocity;
@@ -231,18 +251,14 @@ bool minimize(const Model& model, const State& state, const StageProblem& proble
 
     // Inertia's guess, with the pins where they go. If that is not allowed, or no better, the pins go there
     // together with what the cloth's stiffness makes of their way, as far as is allowed at a time.
-    bool placed = true;
-    for (const Pin& pin : problem.pins) placed = placed && x.segment<3>(3 * pin.vertex) == pin.position;
+    bool placed = pins_placed(problem.pins, x);
     w.positions = problem.y;
-    for (const Pin& pin : problem.pins) w.positions.segment<3>(3 * pin.vertex) = pin.position;
-    w.direction = w.positions - x;
-    if (potential.largest_share(x, w.direction) == 1.0) {
-        const double guess = objective(w.positions);
-        if (placed ? guess < value : std::isfinite(guess)) {
-            x = w.positions;
-            value = guess;
-            placed = true;
-        }
+    place_pinned(problem.pins, w.positions);
+    const double guess = objective(w.positions);
+    if (placed ? guess < value : std::isfinite(guess)) {
+        x = w.positions;
+        value = guess;
+        placed = true;
     }
     constexpr int most_placements = 30;
     for (int k = 0; !placed && k < most_placements; ++k) {
@@ -251,17 +267,13 @@ bool minimize(const Model& model, const State& state, const StageProblem& proble
         if (!w.solver.factorize(w.system)) return false;
         ++report.iterations;
         w.positions.setZero(x.size());
-        for (const Pin& pin : problem.pins) {
-            w.positions.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
-        }
+        set_pinned_way(problem.pins, x, w.positions);
         multiply(model.pattern, w.system, w.positions, w.momentum);
         w.rhs -= w.momentum;
         w.solver.solve(w.rhs, w.direction);
-        for (const Pin& pin : problem.pins) {
-            w.direction.segment<3>(3 * pin.vertex) = w.positions.segment<3>(3 * pin.vertex);
-        }
+        set_pinned_way(problem.pins, x, w.direction);
         const VecX start = x;
-        double share = potential.largest_share(start, w.direction);
+        double share = 1.0;
         x = start + share * w.direction;
         for (int halvings = 0; !std::isfinite(value = objective(x)); ++halvings) {
             if (halvings == 30) return false;
@@ -270,7 +282,7 @@ bool minimize(const Model& model, const State& state, const StageProblem& proble
         }
         if (share == 1.0) {
             placed = true;
-            for (const Pin& pin : problem.pins) x.segment<3>(3 * pin.vertex) = pin.position;
+            place_pinned(problem.pins, x);
             value = objective(x);
         }
     }
@@ -289,58 +301,19 @@ bool minimize(const Model& model, const State& state, const StageProblem& proble
         ++report.iterations;
 
         const double slope = -w.rhs.dot(w.direction) / h2;
-        // Armijo's rule; where the decrease is lost in rounding, a smaller gradient is accepted instead.
-        constexpr double sufficient = 1e-4;
-        w.start = x;
         const double rounding = 1e-13 * (std::abs(value) + model.weight * extent);
-        double length = potential.largest_share(w.start, w.direction);
-        bool accepted = false;
-        for (int halvings = 0; halvings < 40 && !accepted; ++halvings, length *= 0.5) {
-            x = w.start + length * w.direction;
-            const double trial = objective(x);
-            accepted = trial <= value + sufficient * length * slope ||
-                       (trial <= value + rounding && gradient(x) < norm);
-            if (accepted) value = trial;
-        }
-        if (!accepted) {
-            x = w.start;
+        w.start = x;
+        if (!search_line(w.start, w.direction, 1.0, slope, rounding, norm, objective, gradient, x, value))
             break;
-        }
         norm = gradient(x);
         converged = norm <= options.newton_tolerance * scale;
     }
     norm = gradient(x);
     const double residual = scale > 0.0 ? norm / scale : 0.0;
     report.residual = std::max(report.residual, residual);
-    if (!converged) {
-        Eigen::Index worst = 0;
-        w.rhs.reshaped(3, w.rhs.size() / 3).colwise().squaredNorm().maxCoeff(&worst);
-        report.worst_vertex = static_cast<int>(worst);
-    }
+    if (!converged) report.worst_vertex = worst_vertex(w.rhs);
     return converged;
 }
-
-/// Detection at the old positions and the filter at the new velocities, as the assignment's.
-class FilterOfStep {
-  public:
-    FilterOfStep(const Model& model, const State& state, StepReport& report) {
-        if (model.scene.simulation.contact != ContactKind::velocity_filter) return;
-        contacts_ =
-            find_filter_contacts(model.scene.colliders, touched_colliders(model, state), state.positions);
-        report.contacts = std::max(report.contacts, static_cast<int>(contacts_.size()));
-    }
-    /// Positions follow the filtered velocities.
-    void apply(double h, VecX& x, VecX& v) const {
-        if (contacts_.empty()) return;
-        VecX filtered = v;
-        filter_velocities(contacts_, filtered);
-        x += h * (filtered - v);
-        v = filtered;
-    }
-
-  private:
-    std::vector<FilterContact> contacts_;
-};
 
 bool step_implicit_euler(const Model& model, State& state, double dt, const std::vector<Pin>& pins,
                          Workspace& w, StepReport& report) {
@@ -382,11 +355,8 @@ bool step_implicit_midpoint(const Model& model, State& state, double dt, const s
     }
     VecX velocities = 2.0 / h * (x - state.positions) - state.velocities;
     x = 2.0 * x - state.positions;
-    for (const Pin& pin : pins) {
-        velocities.segment<3>(3 * pin.vertex) =
-            (pin.position - state.positions.segment<3>(3 * pin.vertex)) / dt;
-        x.segment<3>(3 * pin.vertex) = pin.position;
-    }
+    set_pinned_velocities(pins, state.positions, dt, velocities);
+    place_pinned(pins, x);
     filter.apply(dt, x, velocities);
     state.positions = x;
     state.velocities = velocities;
@@ -444,9 +414,7 @@ bool step_tr_bdf2(const Model& model, State& state, double dt, const std::vector
         return false;
     }
     state.velocities = (x - base) / h;
-    for (const Pin& pin : pins) {
-        state.velocities.segment<3>(3 * pin.vertex) = (pin.position - q.segment<3>(3 * pin.vertex)) / dt;
-    }
+    set_pinned_velocities(pins, q, dt, state.velocities);
     filter.apply(dt, x, state.velocities);
     state.positions = x;
     return true;

@@ -45,4 +45,23 @@ std::vector<Pin> pins_of_step(const std::vector<PinGroup>& groups, double start,
     return pins;
 }
 
+void zero_pinned(const std::vector<Pin>& pins, VecX& v) {
+    for (const Pin& pin : pins) v.segment<3>(3 * pin.vertex).setZero();
+}
+
+void place_pinned(const std::vector<Pin>& pins, VecX& x) {
+    for (const Pin& pin : pins) x.segment<3>(3 * pin.vertex) = pin.position;
+}
+
+void set_pinned_way(const std::vector<Pin>& pins, const VecX& x, VecX& way) {
+    for (const Pin& pin : pins) {
+        way.segment<3>(3 * pin.vertex) = pin.position - x.segment<3>(3 * pin.vertex);
+    }
+}
+
+bool pins_placed(const std::vector<Pin>& pins, const VecX& x) {
+    return std::all_of(pins.begin(), pins.end(),
+                       [&](const Pin& pin) { return x.segment<3>(3 * pin.vertex) == pin.position; });
+}
+
 }  // namespace cloth

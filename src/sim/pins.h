@@ -31,4 +31,12 @@ MotionKey motion_at(const std::vector<MotionKey>& path, double time);
 /// same vertex, the first does.
 std::vector<Pin> pins_of_step(const std::vector<PinGroup>& groups, double start, double end);
 
+/// v = 0 at the pins.
+void zero_pinned(const std::vector<Pin>& pins, VecX& v);
+/// x = the place of each pin.
+void place_pinned(const std::vector<Pin>& pins, VecX& x);
+/// way = what each pin has left to go from x.
+void set_pinned_way(const std::vector<Pin>& pins, const VecX& x, VecX& way);
+bool pins_placed(const std::vector<Pin>& pins, const VecX& x);
+
 }  // namespace cloth

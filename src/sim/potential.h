@@ -1,7 +1,6 @@
 #pragma once
 // The sum that a stage minimises, contact apart. Internal.
 
-#include <algorithm>
 #include <vector>
 
 #include "sim/energy.h"
@@ -48,11 +47,6 @@ class Potential {
                 for (std::size_t s = 0; s < H.blocks.size(); ++s) H.blocks[s] += term.weight * part.blocks[s];
             }
         }
-    }
-    double largest_share(const VecX& x, const VecX& d) const {
-        double share = 1.0;
-        for (const Term& term : terms_) share = std::min(share, term.energy->largest_share(x, d));
-        return share;
     }
 
   private:
