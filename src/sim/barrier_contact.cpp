@@ -13,7 +13,8 @@ namespace cloth {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Boxes reach this many activation distances farther than a motion, so that small ones need no detection.
+/// In activation distances: how far from the ways that detection was made for its result holds, along each
+/// axis.
 constexpr double margin_factor = 1.0;
 /// In activation distances: how far along a way collisions are looked for at first.
 constexpr double first_piece = 3.0;
@@ -160,7 +161,7 @@ void BarrierContact::begin(const VecX& x, const VecX& slide_from, double h,
                            const std::vector<std::uint8_t>& on) {
     const int n = system_.cloth_vertices;
     const auto& mesh = system_.mesh;
-    if (on != on_) covered_.clear();
+    if (on != on_) covered_ = false;
     from_ = from;
     to_ = to;
     on_ = on;
@@ -282,82 +283,71 @@ BarrierContact::Candidate BarrierContact::make_candidate(const PairCandidate& pa
     return c;
 }
 
-void BarrierContact::detect(const VecX& x, const VecX& d, bool colliders_move) const {
+void BarrierContact::detect() const {
     ++detections_;
     const auto& mesh = system_.mesh;
-    const int n = system_.cloth_vertices, count = mesh.vertex_count();
     const double margin = margin_factor * system_.activation;
-    // Seen from the cloth's mean motion a flying sheet sweeps little.
-    Vec3 common = Vec3::Zero();
-    for (int v = 0; v < n; ++v) common += d.segment<3>(3 * v);
-    common /= std::max(n, 1);
-    covered_.assign(count, Box());
-    std::vector<Box> boxes(count);
-    std::vector<double> ways(count);
-    parallel_for(count, [&](int v) {
-        const Vec3 p = point(x, v);
-        Vec3 way = -common;
-        if (v < n) {
-            way += d.segment<3>(3 * v);
-        } else if (colliders_move) {
-            way += collider_target_.segment<3>(3 * (v - n)) - p;
-        }
-        covered_[v].add(p);
-        covered_[v].add(Vec3(p + way));
-        covered_[v].inflate(margin);
-        ways[v] = way.norm() + 1.7321 * margin;
-        boxes[v] = covered_[v];
-        boxes[v].inflate(mesh.bodies[mesh.vertex_body[v]].radius + 0.5 * system_.activation);
+    auto start = [&](int v) { return Vec3(covered_from_.segment<3>(3 * v)); };
+    auto way = [&](int v) { return Vec3(covered_way_.segment<3>(3 * v)); };
+    std::vector<MovingBox> boxes(mesh.vertex_count());
+    parallel_for(mesh.vertex_count(), [&](int v) {
+        boxes[v].start.add(start(v));
+        boxes[v].end.add(Vec3(start(v) + way(v)));
+        boxes[v].inflate(margin + mesh.bodies[mesh.vertex_body[v]].radius + 0.5 * system_.activation);
     });
     const std::vector<PairCandidate> boxed = broad_phase_.pairs(mesh, boxes, body_on_);
-    auto pairs =
-        collect<PairCandidate>(static_cast<int>(boxed.size()), [&](int i, std::vector<PairCandidate>& out) {
-            const auto points = pair_points(mesh, boxed[i]);
-            const bool face = boxed[i].kind == PairKind::vertex_face;
-            const double reach =
-                face
-                    ? ways[points[0]] + std::max({ways[points[1]], ways[points[2]], ways[points[3]]})
-                    : std::max(ways[points[0]], ways[points[1]]) + std::max(ways[points[2]], ways[points[3]]);
-            const double far = reach + system_.activation + mesh.bodies[mesh.vertex_body[points[0]]].radius +
-                               mesh.bodies[mesh.vertex_body[points[face ? 1 : 2]]].radius;
-            if (nearest(boxed[i].kind, gather(x, points)).distance_squared <= far * far) {
-                out.push_back(boxed[i]);
-            }
-        });
-    std::sort(pairs.begin(), pairs.end());
-    candidates_.resize(pairs.size());
-    parallel_for(static_cast<int>(pairs.size()), [&](int i) { candidates_[i] = make_candidate(pairs[i]); });
+    candidates_ = collect<Candidate>(static_cast<int>(boxed.size()), [&](int i, std::vector<Candidate>& out) {
+        const auto points = pair_points(mesh, boxed[i]);
+        const bool face = boxed[i].kind == PairKind::vertex_face;
+        FourPoints x;
+        Vec3 mean = Vec3::Zero();
+        for (int j = 0; j < 4; ++j) {
+            x[j] = start(points[j]);
+            mean += 0.25 * way(points[j]);
+        }
+        std::array<double, 4> ways;
+        for (int j = 0; j < 4; ++j) ways[j] = (way(points[j]) - mean).norm();
+        const double closing = face ? ways[0] + std::max({ways[1], ways[2], ways[3]})
+                                    : std::max(ways[0], ways[1]) + std::max(ways[2], ways[3]);
+        const double far = closing + 2.0 * 1.7321 * margin + system_.activation +
+                           mesh.bodies[mesh.vertex_body[points[0]]].radius +
+                           mesh.bodies[mesh.vertex_body[points[face ? 1 : 2]]].radius;
+        if (boxes_apart(boxed[i].kind, x, far)) return;
+        if (nearest(boxed[i].kind, x).distance_squared <= far * far) out.push_back(make_candidate(boxed[i]));
+    });
     contacts_known_ = false;
 }
 
 void BarrierContact::cover(const VecX& x, const VecX& d, bool colliders_move) const {
     const int n = system_.cloth_vertices, count = system_.mesh.vertex_count();
-    bool inside = static_cast<int>(covered_.size()) == count;
-    // A common shift changes no distance: compare with the boxes after undoing the mean one.
-    Vec3 shift = Vec3::Zero(), end_shift = Vec3::Zero();
-    if (inside) {
-        for (int v = 0; v < n; ++v) {
-            const Vec3 p = x.segment<3>(3 * v);
-            shift += p - 0.5 * (covered_[v].low + covered_[v].high);
-            end_shift += d.segment<3>(3 * v);
-        }
-        shift /= std::max(n, 1);
-        end_shift = shift + end_shift / std::max(n, 1);
-        std::vector<std::uint8_t> leaves(count, 0);
-        parallel_for(count, [&](int v) {
-            if (v >= n && !body_on_[system_.mesh.vertex_body[v]]) return;
-            const Vec3 p = point(x, v);
-            Vec3 q = p;
-            if (v < n) {
-                q += d.segment<3>(3 * v);
-            } else if (colliders_move) {
-                q = collider_target_.segment<3>(3 * (v - n));
-            }
-            leaves[v] = !covered_[v].contains(p - shift) || !covered_[v].contains(q - end_shift);
-        });
-        inside = std::find(leaves.begin(), leaves.end(), 1) == leaves.end();
+    VecX from(3 * count), way(3 * count);
+    from << x, colliders_;
+    way.head(3 * n) = d;
+    if (colliders_move) {
+        way.tail(3 * (count - n)) = collider_target_ - colliders_;
+    } else {
+        way.tail(3 * (count - n)).setZero();
     }
-    if (!inside) detect(x, d, colliders_move);
+    if (covered_) {
+        // The same share of the covered ways for all points, and what each is off it.
+        const double length_squared = covered_way_.head(3 * n).squaredNorm();
+        auto off = [&](const VecX& p) {
+            const VecX moved = p - covered_from_;
+            double share = 0.0;
+            if (length_squared > 0.0) {
+                share =
+                    std::clamp(moved.head(3 * n).dot(covered_way_.head(3 * n)) / length_squared, 0.0, 1.0);
+            }
+            const VecX error = moved - share * covered_way_;
+            return error.size() > 0 ? error.cwiseAbs().maxCoeff() : 0.0;
+        };
+        const double margin = margin_factor * system_.activation;
+        if (off(from) <= margin && off(from + way) <= margin) return;
+    }
+    covered_from_ = std::move(from);
+    covered_way_ = std::move(way);
+    covered_ = true;
+    detect();
 }
 
 const std::vector<BarrierContact::Contact>& BarrierContact::contacts(const VecX& x) const {
@@ -366,8 +356,9 @@ const std::vector<BarrierContact::Contact>& BarrierContact::contacts(const VecX&
     contacts_ = collect<Contact>(static_cast<int>(candidates_.size()), [&](int i, std::vector<Contact>& out) {
         const Candidate& k = candidates_[i];
         const FourPoints p = gather(x, k.points);
-        const Nearest n = nearest(k.kind, p);
         const double far = k.offset + k.activation;
+        if (boxes_apart(k.kind, p, far)) return;
+        const Nearest n = nearest(k.kind, p);
         if (n.distance_squared >= far * far) return;
         Contact c;
         c.points = k.points;
@@ -829,8 +820,11 @@ double BarrierContact::smallest_gap(const VecX& x) const {
 std::vector<Overlap> BarrierContact::overlaps(const VecX& x, std::size_t most) const {
     std::vector<Overlap> found;
     const auto& mesh = system_.mesh;
-    std::vector<Box> boxes(mesh.vertex_count());
-    for (int v = 0; v < mesh.vertex_count(); ++v) boxes[v].add(point(x, v));
+    std::vector<MovingBox> boxes(mesh.vertex_count());
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        boxes[v].start.add(point(x, v));
+        boxes[v].end = boxes[v].start;
+    }
     for (const auto& [f, g] : broad_phase_.face_pairs(mesh, boxes, body_on_)) {
         if (found.size() >= most) return found;
         const auto &a = mesh.faces[f], &b = mesh.faces[g];

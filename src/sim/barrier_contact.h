@@ -151,8 +151,9 @@ class BarrierContact final : public Energy {
         if (v < system_.cloth_vertices) return x.segment<3>(3 * v);
         return colliders_.segment<3>(3 * (v - system_.cloth_vertices));
     }
-    double way_bound(const std::array<int, 4>& points) const;
-    void detect(const VecX& x, const VecX& d, bool colliders_move) const;
+    void detect() const;
+    /// Makes candidates_ hold every pair that may come within its activation distance of the thickness on the
+    /// straight ways from x to x + d.
     void cover(const VecX& x, const VecX& d, bool colliders_move) const;
     const std::vector<Contact>& contacts(const VecX& x) const;
     Candidate make_candidate(const PairCandidate& pair) const;
@@ -177,7 +178,8 @@ class BarrierContact final : public Energy {
 
     // What was found last; results do not depend on it, only their cost does.
     mutable std::vector<Candidate> candidates_;
-    mutable std::vector<Box> covered_;
+    mutable VecX covered_from_, covered_way_;  ///< of all points, shape (3N)
+    mutable bool covered_ = false;
     mutable VecX contacts_at_;
     mutable bool contacts_known_ = false;
     mutable std::vector<Contact> contacts_;

@@ -139,9 +139,9 @@ int BroadPhase::build(std::vector<int>& order, const std::vector<Vec3>& centres,
     return n;
 }
 
-void BroadPhase::refit(const std::vector<Box>& vertex_boxes) {
+void BroadPhase::refit(const std::vector<MovingBox>& vertex_boxes) {
     parallel_for(static_cast<int>(simplices_.size()), [&](int s) {
-        Box box;
+        MovingBox box;
         for (int v : simplices_[s].vertices) {
             if (v >= 0) box.add(vertex_boxes[v]);
         }
@@ -149,7 +149,7 @@ void BroadPhase::refit(const std::vector<Box>& vertex_boxes) {
     });
     for (int n = static_cast<int>(nodes_.size()) - 1; n >= 0; --n) {
         Node& node = nodes_[n];
-        node.box = Box();
+        node.box = MovingBox();
         if (node.left < 0) {
             for (int s = node.first; s < node.first + node.count; ++s) node.box.add(simplex_boxes_[s]);
         } else {
@@ -183,7 +183,7 @@ void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vecto
                 const Node& node = nodes_[stack[--depth]];
                 // Simplices are numbered in tree order: what ends before this leaf has met it already.
                 if (same && node.first + node.count <= leaf.first) continue;
-                if (!overlap(leaf.box, node.box)) continue;
+                if (!may_meet(leaf.box, node.box)) continue;
                 if (node.left >= 0) {
                     stack[depth++] = node.right;
                     stack[depth++] = node.left;
@@ -192,7 +192,7 @@ void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vecto
                 for (int s = leaf.first; s < leaf.first + leaf.count; ++s) {
                     for (int r = node.first; r < node.first + node.count; ++r) {
                         if (same && r <= s) continue;
-                        if (overlap(simplex_boxes_[s], simplex_boxes_[r])) visit(task, s, r);
+                        if (may_meet(simplex_boxes_[s], simplex_boxes_[r])) visit(task, s, r);
                     }
                 }
             }
@@ -200,10 +200,11 @@ void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vecto
     });
 }
 
-std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh, const std::vector<Box>& vertex_boxes,
+std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh,
+                                             const std::vector<MovingBox>& vertex_boxes,
                                              const std::vector<std::uint8_t>& body_on) {
     refit(vertex_boxes);
-    std::vector<Box> edge_boxes(mesh.edges.size()), face_boxes(mesh.faces.size());
+    std::vector<MovingBox> edge_boxes(mesh.edges.size()), face_boxes(mesh.faces.size());
     parallel_for(static_cast<int>(mesh.edges.size()), [&](int e) {
         for (int v : mesh.edges[e]) edge_boxes[e].add(vertex_boxes[v]);
     });
@@ -218,7 +219,7 @@ std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh, const std:
         const auto& f = mesh.faces[r.face];
         for (int v : s.owned_vertices) {
             if (v < 0 || v == f[0] || v == f[1] || v == f[2]) continue;
-            if (overlap(vertex_boxes[v], face_boxes[r.face])) {
+            if (may_meet(vertex_boxes[v], face_boxes[r.face])) {
                 out.push_back({PairKind::vertex_face, v, r.face});
             }
         }
@@ -234,7 +235,7 @@ std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh, const std:
                 if (g < 0) continue;
                 const auto &p = mesh.edges[e], &q = mesh.edges[g];
                 if (p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1]) continue;
-                if (overlap(edge_boxes[e], edge_boxes[g])) {
+                if (may_meet(edge_boxes[e], edge_boxes[g])) {
                     out.push_back({PairKind::edge_edge, std::min(e, g), std::max(e, g)});
                 }
             }
@@ -247,7 +248,7 @@ std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh, const std:
 }
 
 std::vector<std::array<int, 2>> BroadPhase::face_pairs(const ContactMesh& mesh,
-                                                       const std::vector<Box>& vertex_boxes,
+                                                       const std::vector<MovingBox>& vertex_boxes,
                                                        const std::vector<std::uint8_t>& body_on) {
     refit(vertex_boxes);
     std::size_t leaf_count = 0;

@@ -1,9 +1,10 @@
 #pragma once
 // Which pairs may touch: a tree of boxes over each body's simplices. The trees' shapes are built once, from
 // rest positions, where neighbours in the cloth are neighbours in space for the whole run; the boxes are
-// refitted. The list's order depends on the boxes alone.
+// refitted. Of two lists, what both contain stands in the same order.
 
 #include <array>
+#include <compare>
 #include <vector>
 
 #include "sim/collide.h"
@@ -30,9 +31,29 @@ struct Box {
         return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
     }
 };
-inline bool overlap(const Box& a, const Box& b) {
-    return a.low.x() <= b.high.x() && b.low.x() <= a.high.x() && a.low.y() <= b.high.y() &&
-           b.low.y() <= a.high.y() && a.low.z() <= b.high.z() && b.low.z() <= a.high.z();
+
+/// Of points that go straight ways in the same time: where they are at the start and at the end. In between,
+/// the box lies within that of the interpolated bounds.
+struct MovingBox {
+    Box start, end;
+
+    void add(const MovingBox& b) {
+        start.add(b.start);
+        end.add(b.end);
+    }
+    void inflate(double r) {
+        start.inflate(r);
+        end.inflate(r);
+    }
+};
+/// False where an axis keeps the two apart at the start and, the same way round, at the end: then it does so
+/// at every time between.
+inline bool may_meet(const MovingBox& a, const MovingBox& b) {
+    for (int k = 0; k < 3; ++k) {
+        if (a.start.low(k) > b.start.high(k) && a.end.low(k) > b.end.high(k)) return false;
+        if (b.start.low(k) > a.start.high(k) && b.end.low(k) > a.end.high(k)) return false;
+    }
+    return true;
 }
 
 /// Triangles, edges and single points that may touch; one per connected thing (a sheet, a collider).
@@ -62,11 +83,7 @@ struct PairCandidate {
     PairKind kind;
     int a, b;  ///< vertex and face, or two edges, a < b
 
-    friend bool operator<(const PairCandidate& p, const PairCandidate& q) {
-        return std::array<int, 3>{static_cast<int>(p.kind), p.a, p.b} <
-               std::array<int, 3>{static_cast<int>(q.kind), q.a, q.b};
-    }
-    friend bool operator==(const PairCandidate&, const PairCandidate&) = default;
+    friend auto operator<=>(const PairCandidate&, const PairCandidate&) = default;
 };
 std::array<int, 4> pair_points(const ContactMesh& mesh, const PairCandidate& pair);
 
@@ -75,12 +92,13 @@ class BroadPhase {
     /// `positions`, shape (3 · vertices), give the trees their shape.
     BroadPhase(const ContactMesh& mesh, const VecX& positions);
 
-    /// Vertex-face and edge-edge pairs whose boxes overlap, each once, unsorted; of bodies that are on; not
-    /// of two colliders and not of pairs that share a vertex. `vertex_boxes`: one per vertex.
-    std::vector<PairCandidate> pairs(const ContactMesh& mesh, const std::vector<Box>& vertex_boxes,
+    /// Vertex-face and edge-edge pairs whose boxes may meet, each once; of bodies that are on; not of two
+    /// colliders and not of pairs that share a vertex. `vertex_boxes`: one per vertex.
+    std::vector<PairCandidate> pairs(const ContactMesh& mesh, const std::vector<MovingBox>& vertex_boxes,
                                      const std::vector<std::uint8_t>& body_on);
-    /// Faces whose boxes overlap, under the same conditions, as pairs of face numbers.
-    std::vector<std::array<int, 2>> face_pairs(const ContactMesh& mesh, const std::vector<Box>& vertex_boxes,
+    /// Faces whose boxes may meet, under the same conditions, as pairs of face numbers.
+    std::vector<std::array<int, 2>> face_pairs(const ContactMesh& mesh,
+                                               const std::vector<MovingBox>& vertex_boxes,
                                                const std::vector<std::uint8_t>& body_on);
 
   private:
@@ -92,20 +110,20 @@ class BroadPhase {
     struct Node {
         int first = 0, count = 0;  ///< simplices below
         int left = -1, right = -1;
-        Box box;
+        MovingBox box;
     };
     struct Tree {
         int root = -1;
         std::vector<int> leaves;
     };
     int build(std::vector<int>& order, const std::vector<Vec3>& centres, int first, int count, Tree& tree);
-    void refit(const std::vector<Box>& vertex_boxes);
+    void refit(const std::vector<MovingBox>& vertex_boxes);
     template <class F>
     void for_each_simplex_pair(const ContactMesh& mesh, const std::vector<std::uint8_t>& body_on,
                                const F& visit);
 
     std::vector<Simplex> simplices_;  ///< in tree order
-    std::vector<Box> simplex_boxes_;
+    std::vector<MovingBox> simplex_boxes_;
     std::vector<Node> nodes_;  ///< children after parents
     std::vector<Tree> trees_;  ///< one per body
 };

@@ -132,6 +132,15 @@ Nearest nearest_edge_edge(const FourPoints& x) {
     return inside.distance_squared < end.distance_squared ? inside : end;
 }
 
+bool boxes_apart(PairKind kind, const FourPoints& x, double reach) {
+    const bool face = kind == PairKind::vertex_face;
+    const Vec3 low_a = face ? x[0] : Vec3(x[0].cwiseMin(x[1])),
+               high_a = face ? x[0] : Vec3(x[0].cwiseMax(x[1]));
+    const Vec3& first = face ? x[1] : x[2];
+    const Vec3 low_b = first.cwiseMin(x[2]).cwiseMin(x[3]), high_b = first.cwiseMax(x[2]).cwiseMax(x[3]);
+    return ((low_a - high_b).array() > reach).any() || ((low_b - high_a).array() > reach).any();
+}
+
 double safe_step(PairKind kind, const FourPoints& x, const FourPoints& motion, double separation,
                  double slack) {
     // Common motion does not change the distance; without it the bound on the closing speed is tighter.
@@ -152,14 +161,7 @@ double safe_step(PairKind kind, const FourPoints& x, const FourPoints& motion, d
     };
     // Most pairs are too far apart to meet: tell so by the boxes alone.
     const double reach = (1.0 + slack) * closing + separation;
-    for (int a = 0; a < 3; ++a) {
-        const bool face = kind == PairKind::vertex_face;
-        const double low_a = face ? x[0](a) : std::min(x[0](a), x[1](a));
-        const double high_a = face ? x[0](a) : std::max(x[0](a), x[1](a));
-        const double low_b = std::min(face ? x[1](a) : x[2](a), std::min(x[2](a), x[3](a)));
-        const double high_b = std::max(face ? x[1](a) : x[2](a), std::max(x[2](a), x[3](a)));
-        if (low_a - high_b > reach || low_b - high_a > reach) return 1.0;
-    }
+    if (boxes_apart(kind, x, reach)) return 1.0;
     double gap = gap_at(0.0);
     if (!(gap > 0.0)) return 0.0;
     if (gap > (1.0 + slack) * closing) return 1.0;

@@ -43,6 +43,9 @@ inline Nearest nearest(PairKind kind, const FourPoints& x) {
     return kind == PairKind::vertex_face ? nearest_vertex_face(x) : nearest_edge_edge(x);
 }
 
+/// Whether the boxes around the two sides tell that they are farther apart than `reach`.
+bool boxes_apart(PairKind kind, const FourPoints& x, double reach);
+
 /// The largest share t ≤ 1 of the motion x → x + t·motion that certainly keeps every distance on the way
 /// above `separation`, by additive continuous collision detection (Li et al. 2021, Codimensional incremental
 /// potential contact, section 5): where the gap is g and closes no faster than l, an advance of less than g/l
