@@ -138,21 +138,25 @@ class Minimization {
 
     enum class Cg { converged, slow, indefinite };
 
-    /// Conjugate gradients on A d = rhs from the d given.
+    /// Conjugate gradients on A d = rhs from the d given, until the error's energy norm, as the factor sees
+    /// it, is `tolerance` of what it is at d = 0. In the residual's own norm one stiff contact would hide the
+    /// rest.
     Cg conjugate_gradients(double tolerance, int most) {
         const Stopwatch watch(times_.solution);
         VecX &d = w_.direction, &r = w_.residual, &z = w_.preconditioned, &q = w_.conjugate;
         apply(d, r);
         r = w_.rhs - r;
         zero_pinned(p_.pins, r);
-        const double target = tolerance * w_.rhs.norm();
+        const bool from_zero = d.isZero(0.0);
         double rz = 0.0;
-        for (int k = 0; r.norm() > target; ++k) {
-            if (k == most) return Cg::slow;
-            ++report_.cg_iterations;
+        for (int k = 0;; ++k) {
             factor_->solve(r, z);
             zero_pinned(p_.pins, z);
             const double rz_new = r.dot(z);
+            if (k == 0 && from_zero) rz_at_zero_ = rz_new;
+            if (rz_new <= tolerance * tolerance * rz_at_zero_) return Cg::converged;
+            if (k == most) return Cg::slow;
+            ++report_.cg_iterations;
             if (k == 0) {
                 q = z;
             } else {
@@ -166,7 +170,6 @@ class Minimization {
             d += length * q;
             r -= length * w_.product;
         }
-        return Cg::converged;
     }
 
     /// Newton direction for -h²∇Φ in rhs. Far from the minimum by the projected Hessian: the exact one is
@@ -174,7 +177,7 @@ class Minimization {
     /// as is positive definite.
     bool direction(const VecX& x, double norm, double scale) {
         const bool near = norm < 1e-2 * scale;
-        const double tolerance = std::clamp(0.1 * norm / scale, 1e-4, 0.1);
+        const double tolerance = std::clamp(0.03 * norm / scale, 1e-4, 0.03);
         for (double exact : {1.0, 0.9, 0.6, 0.0}) {
             if (exact > 0.0 && !near) continue;
             if (exact == 1.0) {
@@ -273,7 +276,7 @@ class Minimization {
         return p_.contact.largest_share_placing(x, d);
     }
 
-    static constexpr int most_stale = 12;  // about what a factorization costs
+    static constexpr int most_stale = 5;  // more cost as much as a factorization
     static constexpr int most_fresh = 200;
 
     const ContactProblem& p_;
@@ -285,6 +288,7 @@ class Minimization {
     SparseSolver* factor_ = nullptr;
     bool half_ = true;  ///< half precision has served so far
     bool have_factor_ = false;
+    double rz_at_zero_ = 0.0;
 };
 
 }  // namespace
