@@ -126,6 +126,7 @@ struct Rasterizer::Impl {
     AmbientOcclusion occlusion;
     std::vector<float> ambient;
     std::vector<std::uint8_t> pixels, ground_pixels;
+    std::optional<Backdrop> backdrop;
 
     Image draw(const Frame& frame, const View& view);
 
@@ -491,18 +492,21 @@ Image Rasterizer::Impl::compose(const Shot& shot) {
         light.shares = ground_pixels;
     }
     const Float3 color = shot.ground ? view.exposure * shot.frame.ground->color : Float3{};
-    const Backdrop backdrop(view, shot.camera, shot.ground ? &*shot.frame.ground : nullptr,
-                            std::max(shot.to_light[1], 0.0f) * (color * shot.key), color * view.sky);
+    const Ground* ground = shot.ground ? &*shot.frame.ground : nullptr;
+    const Float3 lit = std::max(shot.to_light[1], 0.0f) * (color * shot.key),
+                 ambient_light = color * view.sky;
+    if (!backdrop || !backdrop->is_of(view, ground, lit, ambient_light))
+        backdrop.emplace(view, ground, lit, ambient_light);
     image.rgba.resize(pixels.size());
     // Each row stands alone.
     const int parts = std::min<int>(static_cast<int>(threads), std::max(1, view.height / 64));
     std::vector<std::jthread> helpers;
     for (int part = 1; part < parts; ++part)
         helpers.emplace_back([&, part] {
-            backdrop.compose(pixels, light, image, view.height * part / parts,
-                             view.height * (part + 1) / parts);
+            backdrop->compose(pixels, light, image, view.height * part / parts,
+                              view.height * (part + 1) / parts);
         });
-    backdrop.compose(pixels, light, image, 0, view.height / parts);
+    backdrop->compose(pixels, light, image, 0, view.height / parts);
     helpers.clear();
     return image;
 }
