@@ -63,15 +63,6 @@ vec4 weave_relief(vec2 at, vec2 extent) {
 #endif
 )";
 
-/// Leaves only the pixels that see a surface to the depth test of the next pass.
-inline constexpr const char* covered_fragment = R"(
-uniform usampler2D numbers;
-uniform vec2 texel;              // a pixel's width and height in the samples' texture
-void main() {
-    if (all(equal(textureGather(numbers, gl_FragCoord.xy * texel), uvec4(0u)))) discard;
-}
-)";
-
 /// Writes the colour of what is seen as sRGB, and its share of the pixel.
 inline constexpr const char* surface_fragment = R"(
 uniform usampler2D numbers;      // of the triangles, 2x2 samples a pixel
