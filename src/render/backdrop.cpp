@@ -105,7 +105,6 @@ Backdrop::Backdrop(const View& view, const Ground* ground, const Float3& lit, co
         }
     }
     open_picture_.resize(std::size_t{4} * view.width * view.height);
-    open_drawn_.resize(static_cast<std::size_t>(view.height), 0);
 }
 
 bool Backdrop::is_of(const View& view, const Ground* ground, const Float3& lit, const Float3& ambient) const {
@@ -130,26 +129,27 @@ Backdrop::Run<float> Backdrop::floor_shares(int x, int y) const {
     return shares;
 }
 
-void Backdrop::draw_open_row(int row) {
-    const int y = view_.height - 1 - row;
+void Backdrop::draw_open(int first, int last) {
     Float3 background{};
     for (int k = 0; k < 3; ++k) background[k] = encoded(view_.background[k]);
-    for (int x = 0; x < view_.width; x += run) {
-        Run<float> shares{};
-        if (ground_) shares = floor_shares(x, y);
-        Run<std::uint32_t> colors;
-        colors.fill(0xff000000);
-        for (int k = 0; k < 3; ++k) {
-            const float* table = open_shown_[k].data();
-            const float flat = background[k];
-            Run<float> floor{};
-            for (int i = 0; i < run; ++i) floor[i] = look_up(table, open_steps * shares[i]) + dither(i, y);
-            for (int i = 0; i < run; ++i) colors[i] |= rounded(shares[i] > 0 ? floor[i] : flat) << 8 * k;
+    for (int row = first; row < last; ++row)
+        for (int x = 0; x < view_.width; x += run) {
+            const int y = view_.height - 1 - row;
+            Run<float> shares{};
+            if (ground_) shares = floor_shares(x, y);
+            Run<std::uint32_t> colors;
+            colors.fill(0xff000000);
+            for (int k = 0; k < 3; ++k) {
+                const float* table = open_shown_[k].data();
+                const float flat = background[k];
+                Run<float> floor{};
+                for (int i = 0; i < run; ++i)
+                    floor[i] = look_up(table, open_steps * shares[i]) + dither(i, y);
+                for (int i = 0; i < run; ++i) colors[i] |= rounded(shares[i] > 0 ? floor[i] : flat) << 8 * k;
+            }
+            std::memcpy(open_picture_.data() + std::size_t{4} * (std::size_t{1} * row * view_.width + x),
+                        colors.data(), std::size_t{4} * std::min(run, view_.width - x));
         }
-        std::memcpy(open_picture_.data() + std::size_t{4} * (std::size_t{1} * row * view_.width + x),
-                    colors.data(), std::size_t{4} * std::min(run, view_.width - x));
-    }
-    open_drawn_[row] = 1;
 }
 
 /// Between the middles of four texels, each of 2x2 pixels.
@@ -183,13 +183,10 @@ Backdrop::LightRun Backdrop::light_of(const GroundLight& light, int x, int y) {
 }
 
 void Backdrop::compose(std::span<const std::uint8_t> shaded, const GroundLight& light, Image& image,
-                       int first, int last) {
+                       int first, int last) const {
     const int width = view_.width;
     for (int row = first; row < last; ++row) {
         const int y = view_.height - 1 - row;  // OpenGL's rows start at the bottom
-        if (!open_drawn_[row]) draw_open_row(row);
-        std::memcpy(image.pixel(0, row), open_picture_.data() + std::size_t{4} * width * row,
-                    std::size_t{4} * width);
         for (int x = 0; x < width; x += run)
             compose_run(shaded.data() + std::size_t{4} * (std::size_t{1} * width * y + x), light, x, y,
                         std::min(run, width - x), image.pixel(x, row));

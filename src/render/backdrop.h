@@ -34,10 +34,16 @@ class Backdrop {
     /// Whether it is what these would make. Kept from frame to frame, it draws the open floor once.
     bool is_of(const View& view, const Ground* ground, const Float3& lit, const Float3& ambient) const;
 
-    /// `shaded`: sRGB colour of the surfaces and their share of the pixel, rows from the bottom. Rows `first`
-    /// … `last` - 1 of the image, from its top. Several threads may compose rows of their own.
+    /// The open floor: rows `first` … `last` - 1 from the top. Several threads may each draw rows of their
+    /// own.
+    void draw_open(int first, int last);
+    /// Pixels of the picture without surfaces, once all rows are drawn.
+    const std::vector<std::uint8_t>& open() const { return open_picture_; }
+
+    /// Draws over the open floor in rows `first` … `last` - 1 of the image. `shaded`: sRGB colour of the
+    /// surfaces and their share of the pixel, rows from the bottom.
     void compose(std::span<const std::uint8_t> shaded, const GroundLight& light, Image& image, int first,
-                 int last);
+                 int last) const;
 
   private:
     static constexpr int run = 32;  // pixels of a row that are composed together
@@ -51,7 +57,6 @@ class Backdrop {
 
     float floor_share(const Float3& ray) const;
     Run<float> floor_shares(int x, int y) const;
-    void draw_open_row(int row);
     static LightRun light_of(const GroundLight& light, int x, int y);
     void compose_run(const std::uint8_t* from, const GroundLight& light, int x, int y, int count,
                      std::uint8_t* to) const;
@@ -63,7 +68,7 @@ class Backdrop {
     float depth_below_ = 0, fade_ = 0;  // the floor under the eye [m]; 1 / radius² of its disc
     std::array<float, 2> center_{};     // of the disc from the eye, x z [m]
     Float3List open_, open_shown_;      // linear, and sRGB, over the floor's share in the open
-    std::vector<std::uint8_t> open_picture_, open_drawn_;  // the open floor, and which of its rows there are
+    std::vector<std::uint8_t> open_picture_;
 };
 
 }  // namespace cloth::render

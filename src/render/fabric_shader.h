@@ -248,7 +248,10 @@ void main() {
     // The four samples of a pixel, as a gather orders them
     const vec4 left_right = vec4(-0.25, 0.25, 0.25, -0.25), down_up = vec4(0.25, 0.25, -0.25, -0.25);
     vec2 gathered = gl_FragCoord.xy * texel;
+    vec4 inverse = 1.0 - textureGather(depths, gathered);
     uvec4 number = textureGather(numbers, gathered);
+    number = uvec4(inverse.x > 0.0 ? number.x : 0u, inverse.y > 0.0 ? number.y : 0u, inverse.z > 0.0 ? number.z : 0u,
+                   inverse.w > 0.0 ? number.w : 0u);
     vec4 waiting = vec4(notEqual(number, uvec4(0u)));
     float coverage = 0.25 * dot(waiting, vec4(1.0));
     vec3 sum = vec3(0.0);
@@ -257,7 +260,6 @@ void main() {
     // that are left. Inside a surface that is once a pixel.
     for (int pass = 0; pass < 4; ++pass) {
         if (dot(waiting, vec4(1.0)) < 0.5) break;
-        vec4 inverse = 1.0 - textureGather(depths, gathered);
         vec4 first = waiting.x > 0.0   ? vec4(1.0, 0.0, 0.0, 0.0)
                      : waiting.y > 0.0 ? vec4(0.0, 1.0, 0.0, 0.0)
                      : waiting.z > 0.0 ? vec4(0.0, 0.0, 1.0, 0.0)

@@ -334,9 +334,7 @@ void Rasterizer::Impl::draw_shadow_map(const Shot& shot) {
 void Rasterizer::Impl::draw_samples(const Shot& shot) {
     samples.bind(supersampling * shot.view.width, supersampling * shot.view.height);
     gl.Enable(GL_DEPTH_TEST);
-    const std::array<GLuint, 4> none{};
-    gl.ClearBufferuiv(GL_COLOR, 0, none.data());
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);  // numbers stay; what is farthest shows none
     gl.Enable(GL_CLIP_DISTANCE0);
     Program& p = visibility_program;
     p.use();
@@ -413,26 +411,38 @@ Rasterizer::Impl::GroundTiles Rasterizer::Impl::ground_tiles(const Shot& shot, c
         for (const Surface& surface : shot.frame.surfaces)
             if (surface.casts_shadow) casters.mark(surface, s.world_to_clip);
     const float reach = (s.largest_radius + 2 * s.texel) / s.width;
+    // Where the rays through the tiles' corners meet the floor, and that point in the map
+    struct Corner {
+        bool on_floor;
+        Float3 floor, map;
+    };
     const Rays rays = make_rays(shot, 2 * tile);
+    const int across = tiles.shadowed.columns() + 1;
+    std::vector<Corner> corners_of_tiles;
+    for (int row = 0; row <= tiles.shadowed.rows(); ++row)
+        for (int column = 0; column < across; ++column) {
+            const Float3 ray =
+                rays.corner + static_cast<float>(column) * rays.x + static_cast<float>(row) * rays.y;
+            const Float3 p = view.eye + ((patch.height - view.eye[1]) / std::min(ray[1], -1e-4f)) * ray;
+            corners_of_tiles.push_back({ray[1] < -1e-4f, p, transformed(s.world_to_texture, p)});
+        }
     for (int row = 0; row < tiles.shadowed.rows(); ++row)
         for (int column = 0; column < tiles.shadowed.columns(); ++column) {
             Bounds on_floor = nothing, on_map = nothing;
-            bool sky = false;
-            for (const int corner : {0, 1, 2, 3}) {
-                const Float3 ray = rays.corner + static_cast<float>(column + corner % 2) * rays.x +
-                                   static_cast<float>(row + corner / 2) * rays.y;
-                sky = sky || ray[1] > -1e-4f;
-                const Float3 p = view.eye + ((patch.height - view.eye[1]) / std::min(ray[1], -1e-4f)) * ray;
-                const Float3 q = transformed(s.world_to_texture, p);
-                on_floor = merged(on_floor, {p, p});
-                on_map = merged(on_map, {q, q});
+            int below = 0;  // the horizon
+            for (const int corner : {0, 1, across, across + 1}) {
+                const Corner& c = corners_of_tiles[static_cast<std::size_t>(row * across + column + corner)];
+                below += c.on_floor;
+                on_floor = merged(on_floor, {c.floor, c.floor});
+                on_map = merged(on_map, {c.map, c.map});
             }
-            const bool in_shadow =
-                shadow && (sky || casters.any(on_map.low[0] - reach, on_map.low[1] - reach,
-                                              on_map.high[0] + reach, on_map.high[1] + reach));
+            if (below == 0) continue;
             const bool in_patch =
-                sky || (on_floor.low[0] < patch.high[0] && on_floor.high[0] > patch.low[0] &&
-                        on_floor.low[2] < patch.high[1] && on_floor.high[2] > patch.low[1]);
+                below < 4 || (on_floor.low[0] < patch.high[0] && on_floor.high[0] > patch.low[0] &&
+                              on_floor.low[2] < patch.high[1] && on_floor.high[2] > patch.low[1]);
+            const bool in_shadow =
+                shadow && (below < 4 || casters.any(on_map.low[0] - reach, on_map.low[1] - reach,
+                                                    on_map.high[0] + reach, on_map.high[1] + reach));
             if (in_shadow)
                 tiles.shadowed.mark(column, row);
             else if (in_patch)
@@ -575,19 +585,20 @@ Image Rasterizer::Impl::compose(const Shot& shot) {
     const Ground* ground = shot.ground ? &*shot.frame.ground : nullptr;
     const Float3 lit = std::max(shot.to_light[1], 0.0f) * (color * shot.key),
                  ambient_light = color * view.sky;
-    if (!backdrop || !backdrop->is_of(view, ground, lit, ambient_light))
-        backdrop.emplace(view, ground, lit, ambient_light);
-    image.rgba.resize(pixels.size());
+    const bool fresh = !backdrop || !backdrop->is_of(view, ground, lit, ambient_light);
+    if (fresh) backdrop.emplace(view, ground, lit, ambient_light);
     // Each row stands alone.
     const int parts = std::min<int>(static_cast<int>(threads), std::max(1, view.height / 64));
-    std::vector<std::jthread> helpers;
-    for (int part = 1; part < parts; ++part)
-        helpers.emplace_back([&, part] {
-            backdrop->compose(pixels, light, image, view.height * part / parts,
-                              view.height * (part + 1) / parts);
-        });
-    backdrop->compose(pixels, light, image, 0, view.height / parts);
-    helpers.clear();
+    const auto in_parts = [&](const auto& work) {
+        std::vector<std::jthread> helpers;
+        for (int part = 1; part < parts; ++part)
+            helpers.emplace_back(
+                [&, part] { work(view.height * part / parts, view.height * (part + 1) / parts); });
+        work(0, view.height / parts);
+    };
+    if (fresh) in_parts([&](int first, int last) { backdrop->draw_open(first, last); });
+    image.rgba = backdrop->open();
+    in_parts([&](int first, int last) { backdrop->compose(pixels, light, image, first, last); });
     return image;
 }
 
