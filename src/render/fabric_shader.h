@@ -68,7 +68,11 @@ inline constexpr const char* surface_fragment = R"(
 uniform usampler2D numbers;      // of the triangles, 2x2 samples a pixel
 uniform sampler2D depths;        // 1 - near / distance
 uniform usamplerBuffer corners;  // three vertices and the surface
-uniform usamplerBuffer vertices; // two texels each: bits of x y z and of the normal; of ambient light, u and v
+uniform usamplerBuffer vertices; // bits of x y z and of the normal
+uniform usamplerBuffer ambients; // four bytes each
+#if defined(PATTERNS) || defined(WEAVE) || defined(IMAGES)
+uniform samplerBuffer coordinates;
+#endif
 uniform samplerBuffer materials;
 #ifdef COLORS
 uniform samplerBuffer colors;
@@ -115,10 +119,9 @@ struct Seen {
 
 vec3 shade(Seen s, vec2 place) {
     ivec3 v = s.vertices;
-    uvec4 r0 = texelFetch(vertices, 2 * v.x + 1), r1 = texelFetch(vertices, 2 * v.y + 1),
-          r2 = texelFetch(vertices, 2 * v.z + 1);
     vec3 n0 = unpack_normal(s.normals.x), n1 = unpack_normal(s.normals.y), n2 = unpack_normal(s.normals.z);
-    vec4 a0 = unpackUnorm4x8(r0.x), a1 = unpackUnorm4x8(r1.x), a2 = unpackUnorm4x8(r2.x);
+    vec4 a0 = unpackUnorm4x8(texelFetch(ambients, v.x).r), a1 = unpackUnorm4x8(texelFetch(ambients, v.y).r),
+         a2 = unpackUnorm4x8(texelFetch(ambients, v.z).r);
     vec3 p0 = s.p0, e1 = s.e1, e2 = s.e2;
     int entry = 7 * s.surface;
     vec4 front_color = texelFetch(materials, entry), back_color = texelFetch(materials, entry + 1);
@@ -156,7 +159,8 @@ vec3 shade(Seen s, vec2 place) {
 
 #if defined(PATTERNS) || defined(WEAVE) || defined(IMAGES)
     // Rest coordinates, and how they change from this pixel to the next ones
-    vec2 uv0 = uintBitsToFloat(r0.yz), uv1 = uintBitsToFloat(r1.yz) - uv0, uv2 = uintBitsToFloat(r2.yz) - uv0;
+    vec2 uv0 = texelFetch(coordinates, v.x).rg, uv1 = texelFetch(coordinates, v.y).rg - uv0,
+         uv2 = texelFetch(coordinates, v.z).rg - uv0;
     vec2 uv = uv0 + shares.y * uv1 + shares.z * uv2;
     vec3 step_x = distance * (ray_x - ray * (dot(across, ray_x) / towards));
     vec3 step_y = distance * (ray_y - ray * (dot(across, ray_y) / towards));
@@ -267,7 +271,7 @@ void main() {
         uint chosen = first.x > 0.0 ? number.x : first.y > 0.0 ? number.y : first.z > 0.0 ? number.z : number.w;
         uvec4 triangle = texelFetch(corners, int(chosen & 0x0fffffffu) - 1);
         ivec3 v = ivec3(triangle.xyz);
-        uvec4 c0 = texelFetch(vertices, 2 * v.x), c1 = texelFetch(vertices, 2 * v.y), c2 = texelFetch(vertices, 2 * v.z);
+        uvec4 c0 = texelFetch(vertices, v.x), c1 = texelFetch(vertices, v.y), c2 = texelFetch(vertices, v.z);
         vec3 p0 = uintBitsToFloat(c0.xyz);
         Seen seen = Seen(v, int(triangle.w), chosen >= 0x80000000u, p0, uintBitsToFloat(c1.xyz) - p0,
                          uintBitsToFloat(c2.xyz) - p0, uvec3(c0.w, c1.w, c2.w));

@@ -93,7 +93,7 @@ struct Rasterizer::Impl {
         gl.GenVertexArrays(1, &mesh_array);
         gl.BindVertexArray(mesh_array);
         gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.buffer());
-        point_at(vertices, 8);
+        point_at(vertices, 4);
         gl.GenVertexArrays(1, &layer_array);
         gl.BindVertexArray(layer_array);
         point_at(layers, 3);
@@ -139,6 +139,7 @@ struct Rasterizer::Impl {
     Target ground_light{context, GL_RGBA8, GL_DEPTH_COMPONENT16};
     Target shaded{context, GL_RGBA8, GL_DEPTH_COMPONENT16};
     ListBuffer vertices{context, GL_RGBA32UI}, corners{context, GL_RGBA32UI};
+    ListBuffer ambients{context, GL_R32UI}, coordinates{context, GL_RG32F};
     ListBuffer materials{context, GL_RGBA32F}, colors{context, GL_RGBA32F};
     ListBuffer indices{context, 0}, layers{context, 0};
     GLuint mesh_array = 0, layer_array = 0, ground_occlusion = 0, comparing = 0, smooth = 0;
@@ -192,6 +193,8 @@ void Rasterizer::Impl::upload(const Frame& frame) {
         indices.fill(std::span<const std::uint32_t>(list.indices));
         corners.fill(std::span<const std::uint32_t>(list.corners));
     }
+    vertices.fill(std::span<const std::uint32_t>(list.vertices));
+    if (!list.coordinates.empty()) coordinates.fill(std::span<const float>(list.coordinates));
     if (!list.colors.empty()) colors.fill(std::span<const float>(list.colors));
 }
 
@@ -237,7 +240,7 @@ void Rasterizer::Impl::compute_ambient(const Shot& shot) {
         spread(topology, values);
         list.set_ambient(i, values);
     }
-    vertices.fill(std::span<const std::uint32_t>(list.vertices));
+    ambients.fill(std::span<const std::uint32_t>(list.ambient));
 }
 
 GLuint Rasterizer::Impl::texture_of(const std::shared_ptr<const Image>& image) {
@@ -538,6 +541,8 @@ void Rasterizer::Impl::shade(const Shot& shot, const Features& features) {
     int unit = image_unit + most_images;
     for (const auto& [name, buffer] : {std::pair{"vertices", &vertices},
                                        {"corners", &corners},
+                                       {"ambients", &ambients},
+                                       {"coordinates", &coordinates},
                                        {"materials", &materials},
                                        {"colors", &colors}}) {
         buffer->bind_texture(unit);
@@ -630,11 +635,12 @@ Image Rasterizer::Impl::draw(const Frame& frame, const View& view) {
 
     context.make_current();
     upload(frame);
+    draw_samples(shot);
+    draw_shadow_map(shot);
+    gl.Flush();  // the driver's threads draw while this one goes on
     if (shot.occlusion) occlusion.build(frame.surfaces, shot.bounds);
     compute_ambient(shot);
     const Features features = upload_materials(frame);
-    draw_samples(shot);
-    draw_shadow_map(shot);
     draw_ground_light(shot);
     shade(shot, features);
     return compose(shot);
