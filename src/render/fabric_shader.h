@@ -243,8 +243,15 @@ vec3 shade(Seen s, vec2 place) {
     // a third of the key light.
     float enclosed = clamp(1.0 - ambient.x - ambient.y, 0.0, 1.0);
     vec3 ambient_light = from_above + from_below + enclosed * albedo * (sky * 0.4 + bounce * 0.3 + light_radiance * 0.3);
+    // Of even light from everywhere, what the sheen returns (a fit to its integral) and what is mirrored (Karis 2014,
+    // Physically Based Shading on Mobile, after Lazarov)
     float rim = 1.0 - cos_eye;
-    radiance += ambient_light * (albedo + fiber * (rim * rim * rim));
+    float sheen = 0.083 + 0.27 * rim + 0.33 * rim * rim * rim;
+    vec4 fit = sqrt(sqrt(lobe.x)) * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float smooth_part = min(fit.x * fit.x, exp2(-9.28 * cos_eye)) * fit.x + fit.y;
+    float mirror = kind.x > 0.0 ? kind.x * (fit.z - 1.04 * smooth_part) + fit.w + 1.04 * smooth_part : 0.0;
+    float upwards = clamp(0.5 + 2.0 * cos_eye * normal.y - to_eye.y, 0.0, 1.0);
+    radiance += ambient_light * (albedo + fiber * sheen) + mix(bounce, sky, upwards) * ((1.0 - enclosed) * mirror);
     return tone_curve(radiance * exposure);
 }
 

@@ -63,6 +63,7 @@ struct Ground {
 struct Frame {
     std::vector<Surface> surfaces;
     std::optional<Ground> ground;
+    std::optional<Float3> floor_color{};  ///< of a floor among the surfaces, for the light that it returns
 };
 
 struct Light {

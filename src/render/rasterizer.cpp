@@ -625,9 +625,9 @@ Image Rasterizer::Impl::draw(const Frame& frame, const View& view) {
     shot.key = (view.light.intensity / std::numbers::pi_v<float>)*view.light.color;
     // A floor returns what it gets, a part of it shaded by what stands there; without one, the background's
     // glow stands in.
-    shot.bounce = frame.ground ? frame.ground->color *
-                                     (0.8f * view.sky + (0.6f * std::max(shot.to_light[1], 0.0f)) * shot.key)
-                               : 0.5f * view.background;
+    const std::optional<Float3> floor = frame.ground ? std::optional(frame.ground->color) : frame.floor_color;
+    shot.bounce = floor ? *floor * (0.9f * view.sky + (0.75f * std::max(shot.to_light[1], 0.0f)) * shot.key)
+                        : 0.5f * view.background;
     shot.ground = frame.ground && view.eye[1] > frame.ground->height;
     shot.shadow = view.light.shadow && occupied;
     shot.occlusion = view.ambient_occlusion && occupied;
