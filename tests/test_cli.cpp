@@ -368,10 +368,18 @@ TEST_CASE("a start with overlaps is refused by exit code 5, and the pairs are na
                    " mm nearer than their contact thickness at vertices "});
     check_refusal(place.run(barrier + "--set collider.shape=box --set collider.contact_offset=0 --set "
                                       "cloth.translate=[0.01,0.2,0.02]"),
-                  5, {"things overlap: cloth cloth triangle ", " crosses collider ball triangle "});
+                  5,
+                  {"things overlap: cloth cloth triangle ", " crosses collider ball triangle ",
+                   "; in red in o/overlap.png"});
+    const render::Image image = render::read_png(place / "o/overlap.png");
+    int red = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+        red += image.rgba[i] > 90 && 2 * std::max(image.rgba[i + 1], image.rgba[i + 2]) < image.rgba[i];
+    CHECK(red > image.width * image.height / 200);
 
     // The same a little higher is good, and its report has the gaps.
     REQUIRE(place.run(barrier + "--set cloth.translate=[0.01,0.263,0.02]").code == 0);
+    CHECK_FALSE(fs::exists(place / "o/overlap.png"));
     const auto report = report_of(place, "o");
     CHECK(report["frames"][0]["smallest_gap_m"].is_null());
     for (int frame = 1; frame < 4; ++frame) {

@@ -5,10 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/overlap_picture.h"
 #include "pipeline/picture.h"
 #include "pipeline/scene_file.h"
 #include "render/colormap.h"
+#include "render/surface_map.h"
 #include "sim/model.h"
+#include "sim/simulation.h"
 #include "temporary_folder.h"
 
 using namespace cloth;
@@ -145,5 +148,53 @@ TEST_CASE("parts of a subdivided triangle tile it", "[picture]") {
         for (const auto& p : parts)
             area += (p[1][1] - p[0][1]) * (p[2][2] - p[0][2]) - (p[1][2] - p[0][2]) * (p[2][1] - p[0][1]);
         CHECK(area == Approx(1));
+    }
+}
+
+TEST_CASE("what overlaps at the start is red where it stands, also behind other cloth", "[picture]") {
+    const SceneFile file = parse_scene(R"(version = 1
+[simulation]
+integrator = "implicit_euler"
+contact = "barrier"
+[[cloth]]
+name = "level"
+resolution = [12, 12]
+size = [0.5, 0.5]
+rotate = [-90, 0, 0]
+[[cloth]]
+name = "upright"
+resolution = [6, 6]
+size = [0.2, 0.2]
+translate = [0.013, 0.01, 0.007]
+[camera]
+position = [0.4, 1.0, 1.6]
+[output]
+size = [320, 240]
+)",
+                                       "cross.toml", std::filesystem::temp_directory_path());
+    Simulation simulation(file.scene);
+    render::Rasterizer rasterizer{1};
+    try {
+        simulation.step();
+        FAIL("not refused");
+    } catch (const OverlapError& overlap) {
+        REQUIRE_FALSE(overlap.triangles.empty());
+        const render::Image image =
+            draw_overlap(file, simulation.model(), simulation.state(), overlap, rasterizer);
+        render::View view = file.view;
+        aim(view, overlap_camera(file, overlap), 0.0);
+        const render::Pinhole camera(view);
+        for (const auto& [a, b, c] : overlap.triangles) {
+            const Vec3 middle = (a + b + c) / 3.0;
+            const auto place = camera.project({static_cast<float>(middle.x()), static_cast<float>(middle.y()),
+                                               static_cast<float>(middle.z())});
+            const auto [red, green, blue] = at(image, static_cast<int>(place[0]), static_cast<int>(place[1]));
+            CHECK(red > 100);
+            CHECK(green < 0.5 * red);
+            CHECK(blue < 0.5 * red);
+        }
+        const auto [red, green, blue] = at(image, 5, 5);
+        CHECK(std::abs(red - green) < 30);
+        CHECK(std::abs(red - blue) < 30);
     }
 }

@@ -17,6 +17,8 @@ constexpr int sphere_meridians =
     128;  // chord error 0.03 % of the radius: below a pixel up to 8k pictures' width
 constexpr int sphere_parallels = 64;
 constexpr double plane_half_width = 10.0;  // [m]
+constexpr int plane_cells = 64;            // along a side
+constexpr double plane_grading = 3.9;      // cells of 5 cm at the middle
 
 void append(std::vector<float>& list, const Vec3& v) {
     for (int i = 0; i < 3; ++i) list.push_back(static_cast<float>(v[i]));
@@ -200,12 +202,22 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(fi
             const Vec3 aside = std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitZ();
             const Vec3 u = normal.cross(aside).normalized();
             const Vec3 v = normal.cross(u);
-            for (const auto& [s, t] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-                append(mesh.positions, collider.center + plane_half_width * (s * u + t * v));
-                append(mesh.normals, normal);
-            }
-            append_triangle(mesh.triangles, 0, 1, 2);
-            append_triangle(mesh.triangles, 0, 2, 3);
+            // A grid, finest at its middle: vertices carry how much of the sky they see past what lies there.
+            const auto line = [](int i) {
+                const double part = 2.0 * i / plane_cells - 1;
+                return plane_half_width * std::sinh(plane_grading * part) / std::sinh(plane_grading);
+            };
+            for (int j = 0; j <= plane_cells; ++j)
+                for (int i = 0; i <= plane_cells; ++i) {
+                    append(mesh.positions, collider.center + line(i) * u + line(j) * v);
+                    append(mesh.normals, normal);
+                }
+            for (int j = 0; j < plane_cells; ++j)
+                for (int i = 0; i < plane_cells; ++i) {
+                    const int at = j * (plane_cells + 1) + i, above = at + plane_cells + 1;
+                    append_triangle(mesh.triangles, at, at + 1, above + 1);
+                    append_triangle(mesh.triangles, at, above + 1, above);
+                }
         }
         if (!collider.path.empty() || !collider.spin.isZero(0.0)) {
             moving_.push_back({static_cast<int>(colliders_.size()), mesh});
@@ -269,8 +281,10 @@ render::Frame FrameBuilder::build(const State& state) {
         const Mesh& mesh = colliders_[c];
         frame.surfaces.push_back(
             {mesh.positions, mesh.normals, mesh.triangles, file_.collider_looks.at(c).material, false});
-        // A plane's metres would take all of the shadow map.
-        frame.surfaces.back().casts_shadow = collider.shape != Shape::plane;
+        if (collider.shape != Shape::plane) continue;
+        frame.surfaces.back().casts_shadow = false;  // its metres would take all of the shadow map
+        if (collider.normal.normalized().y() > 0.5)
+            frame.floor_color = file_.collider_looks.at(c).material.front;
     }
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
         const Look& look = file_.cloth_looks.at(c);

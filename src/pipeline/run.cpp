@@ -19,6 +19,7 @@
 
 #include "pipeline/error.h"
 #include "pipeline/file_io.h"
+#include "pipeline/overlap_picture.h"
 #include "pipeline/picture.h"
 #include "pipeline/state_store.h"
 #include "pipeline/survey.h"
@@ -365,6 +366,22 @@ VideoOptions video_options(const SceneFile& file, const RunOptions& options) {
     return {playback_rate(file), file.output.quality, options.threads};
 }
 
+/// Throws the overlap anew, with a picture of its place where one can be drawn.
+[[noreturn]] void show_overlap(const SceneFile& file, const Simulation& simulation,
+                               const OverlapError& overlap, const fs::path& path,
+                               std::optional<render::Rasterizer>& rasterizer, const RunOptions& options) {
+    std::string line = overlap.what();
+    if (!overlap.triangles.empty()) try {
+            if (!rasterizer) rasterizer.emplace(options.threads, options.gl);
+            render::write_png(
+                draw_overlap(file, simulation.model(), simulation.state(), overlap, *rasterizer), path);
+            line += "; in red in " + path.string();
+        } catch (const std::exception& failure) {
+            line += fmt::format("; no picture of it: {}", failure.what());
+        }
+    throw Error(ExitCode::start_overlap, line);
+}
+
 }  // namespace
 
 std::string state_fault(const State& state) {
@@ -504,7 +521,11 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
     } catch (const Error&) {
         if (!failure) throw;  // a full disk has been told of already
     }
-    if (failure) std::rethrow_exception(failure);
+    if (failure) try {
+            std::rethrow_exception(failure);
+        } catch (const OverlapError& overlap) {
+            show_overlap(file, simulation, overlap, folder.overlap(), rasterizer, options);
+        }
     return summary;
 }
 

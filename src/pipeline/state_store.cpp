@@ -374,7 +374,7 @@ void RunFolder::clear() const {
     std::error_code failure;
     // Without a manifest the folder is no run's: there is nothing of ours that names itself.
     if (!fs::exists(root_ / "states" / "manifest.json", failure)) return;
-    std::vector<fs::path> ours = {scene(), report(), topology(), sheet()};
+    std::vector<fs::path> ours = {scene(), report(), topology(), sheet(), overlap()};
     try {
         const std::string name = read_manifest().scene;
         if (fs::path(name).filename() == name) {

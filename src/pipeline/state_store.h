@@ -62,6 +62,8 @@ class RunFolder {
     std::filesystem::path report() const { return root_ / "report.json"; }
     std::filesystem::path topology() const { return root_ / "states" / "topology.bin"; }
     std::filesystem::path sheet() const { return root_ / "sheet.png"; }  ///< contact sheet
+    /// Picture of what overlaps at the start.
+    std::filesystem::path overlap() const { return root_ / "overlap.png"; }
     std::filesystem::path state(std::int64_t frame) const;
     std::filesystem::path image(std::int64_t frame) const;
     std::filesystem::path movie(const std::string& scene_name) const { return root_ / (scene_name + ".mp4"); }

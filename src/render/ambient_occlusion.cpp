@@ -45,19 +45,14 @@ const std::array<Float3, direction_count> directions = make_directions();
 
 }  // namespace
 
-float AmbientOcclusion::sample(const Level& level, float x, float y, float z) const {
-    const int side = level.cells + 2;
-    const float last = static_cast<float>(side) - 1.001f;
-    x = std::clamp(x, 0.0f, last);
-    y = std::clamp(y, 0.0f, last);
-    z = std::clamp(z, 0.0f, last);
+/// Between the middles of eight cells, at coordinates of 0 … side - 1.
+inline float AmbientOcclusion::sample(const float* density, int side, float x, float y, float z) {
     const int i = static_cast<int>(x), j = static_cast<int>(y), k = static_cast<int>(z);
     const float u = x - static_cast<float>(i), v = y - static_cast<float>(j), w = z - static_cast<float>(k);
-    const float* p = level.density.data() + (static_cast<std::ptrdiff_t>(k) * side + j) * side + i;
-    const std::ptrdiff_t row = side, slice = static_cast<std::ptrdiff_t>(side) * side;
-    const auto along_x = [u](const float* q) { return q[0] + u * (q[1] - q[0]); };
-    const float a = along_x(p) + v * (along_x(p + row) - along_x(p));
-    const float b = along_x(p + slice) + v * (along_x(p + slice + row) - along_x(p + slice));
+    const int row = side, slice = side * side, first = k * slice + j * row + i;
+    const auto along_x = [density, u](int at) { return density[at] + u * (density[at + 1] - density[at]); };
+    const float a = along_x(first) + v * (along_x(first + row) - along_x(first));
+    const float b = along_x(first + slice) + v * (along_x(first + slice + row) - along_x(first + slice));
     return a + w * (b - a);
 }
 
@@ -154,29 +149,51 @@ AmbientLight AmbientOcclusion::at(const Float3& position, const Float3& normal, 
     Float3 start{};
     for (int axis = 0; axis < 3; ++axis)
         start[axis] = (position[axis] - origin_[axis]) / cell_ + rise * normal[axis];
-    float above = 0, below = 0, open_above = 1e-6f, open_below = 1e-6f;
+
+    // Rays along the surface see mostly the surface itself and weigh little: they are left out. The others go
+    // side by side, for vector instructions; what fills the last eight counts for nothing.
+    using Rays = std::array<float, direction_count + 7>;
+    Rays x{}, y{}, z{}, weight{}, up{}, depth{};
+    int count = 0;
     for (const Float3& direction : directions) {
         const float cosine = direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2];
-        // Rays along the surface see mostly the surface itself and weigh little.
         if (cosine < 0.17f) continue;
-        const float weight = cosine - 0.17f;
-        // Each step is twice the last, as is its cell: 1 to 2, 2 to 4 … cells away.
-        float depth = 0, step = 1;
-        for (const Level& level : levels_) {
-            const float distance = 1.5f * step;
-            Float3 p{};
-            for (int axis = 0; axis < 3; ++axis)
-                p[axis] = (start[axis] + distance * (direction[axis] + bend * normal[axis])) / step + 0.5f;
-            depth += step * sample(level, p[0], p[1], p[2]);
-            step *= 2;
-        }
+        x[count] = direction[0] + bend * normal[0];
+        y[count] = direction[1] + bend * normal[1];
+        z[count] = direction[2] + bend * normal[2];
+        weight[count] = cosine - 0.17f;
+        up[count] = std::clamp(0.5f + 1.5f * direction[1], 0.0f, 1.0f);
+        ++count;
+    }
+    // Each step is twice the last, as is its cell: 1 to 2, 2 to 4 … cells away.
+    const int filled = (count + 7) / 8 * 8;
+    float step = 1;
+    for (const Level& level : levels_) {
+        const float distance = 1.5f * step;
+        const int side = level.cells + 2;
+        const float last = static_cast<float>(side) - 1.001f;
+        const auto coordinates = [&](float from, const Rays& ray) {
+            Rays at{};
+            for (int i = 0; i < filled; ++i) {
+                const float to = (from + distance * ray[i]) / step + 0.5f, positive = to < 0 ? 0 : to;
+                at[i] = positive < last ? positive : last;
+            }
+            return at;
+        };
+        const Rays at_x = coordinates(start[0], x), at_y = coordinates(start[1], y),
+                   at_z = coordinates(start[2], z);
+        const float* density = level.density.data();
+        for (int i = 0; i < filled; ++i) depth[i] += step * sample(density, side, at_x[i], at_y[i], at_z[i]);
+        step *= 2;
+    }
+    float above = 0, below = 0, open_above = 1e-6f, open_below = 1e-6f;
+    for (int i = 0; i < count; ++i) {
         // Like exp(-depth), but the same in every standard library
-        const float open = weight / (1 + depth * (1 + 0.5f * depth));
-        const float up = std::clamp(0.5f + 1.5f * direction[1], 0.0f, 1.0f);
-        above += open * up;
-        below += open * (1 - up);
-        open_above += weight * up;
-        open_below += weight * (1 - up);
+        const float open = weight[i] / (1 + depth[i] * (1 + 0.5f * depth[i]));
+        above += open * up[i];
+        below += open * (1 - up[i]);
+        open_above += weight[i] * up[i];
+        open_below += weight[i] * (1 - up[i]);
     }
     return {0.5f * (1 + normal[1]) * above / open_above, 0.5f * (1 - normal[1]) * below / open_below};
 }

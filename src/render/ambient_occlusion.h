@@ -39,7 +39,7 @@ class AmbientOcclusion {
         int cells = 0;
         std::vector<float> density;  ///< optical depth per finest cell
     };
-    float sample(const Level& level, float x, float y, float z) const;
+    static float sample(const float* density, int side, float x, float y, float z);
     void splat(const Float3& position, float area);
 
     std::array<Level, 5> levels_;

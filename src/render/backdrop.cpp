@@ -1,6 +1,8 @@
 #include "render/backdrop.h"
 
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 namespace cloth::render {
 namespace {
@@ -31,11 +33,46 @@ struct Tables {
 };
 const Tables tables;
 
+/// By value, so that loops over it become vector instructions.
+float limited(float x, float low, float high) {
+    const float y = x < low ? low : x;
+    return y < high ? y : high;
+}
+
 /// Linear interpolation at `place` ≥ 0, in steps.
-template <class Table>
-float look_up(const Table& table, float place) {
+float look_up(const float* table, float place) {
     const int i = static_cast<int>(place);
     return table[i] + (place - static_cast<float>(i)) * (table[i + 1] - table[i]);
+}
+float srgb_place(float c) {
+    return limited(c, 0, 1) * srgb_steps;
+}
+float encoded(float c) {
+    return look_up(tables.encoded.data(), srgb_place(c));
+}
+
+/// An ordered pattern (Bayer 1973) in -½ … ½: the floor's colour varies too slowly for 8 bits.
+float dither(int x, int y) {
+    const int diagonal = x ^ y;
+    const int order = (diagonal & 1) << 3 | (y & 1) << 2 | (diagonal & 2) | (y & 2) >> 1;
+    return (static_cast<float>(order) - 7.5f) / 16;
+}
+
+/// A channel of the floor where not all light reaches it, linear.
+struct Shadowed {
+    float lit, ambient, background;
+    /// In the table of tones.
+    float place(float key, float sky) const {
+        const float radiance = lit * (key / 255) + ambient * (sky / 255);
+        return limited(radiance, 0, brightest) * (tone_steps / brightest);
+    }
+    float color(float share, float place) const {
+        return background + share * (look_up(tables.tone.data(), place) - background);
+    }
+};
+
+std::uint32_t rounded(float shown) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(limited(shown + 0.5f, 0, 255)));
 }
 
 }  // namespace
@@ -45,127 +82,172 @@ float tone_curve(float radiance) {
     return radiance <= knee ? radiance : knee + (1 - knee) * (1 - std::exp(-(radiance - knee) / (1 - knee)));
 }
 
-Backdrop::Backdrop(const View& view, const Camera& camera, const Ground* ground, const Float3& lit,
-                   const Float3& ambient)
-    : view_(view), camera_(camera), has_ground_(ground != nullptr), lit_(lit), ambient_(ambient) {
-    if (has_ground_) {
-        depth_below_ = view.eye[1] - ground->height;
+Backdrop::Backdrop(const View& view, const Ground* ground, const Float3& lit, const Float3& ambient)
+    : view_(view), lit_(lit), ambient_(ambient) {
+    if (ground) ground_ = *ground;
+    const Camera camera = make_camera(view);
+    step_x_ = (2 * camera.half_width / static_cast<float>(view.width)) * camera.right;
+    step_y_ = (2 * camera.half_height / static_cast<float>(view.height)) * camera.up;
+    corner_ = camera.forward - camera.half_width * camera.right - camera.half_height * camera.up;
+    if (ground_) {
+        depth_below_ = view.eye[1] - ground_->height;
         const float radius = ground_radius * length(view.target - view.eye);
         fade_ = 1 / (radius * radius);
         center_ = {view.target[0] - view.eye[0], view.target[2] - view.eye[2]};
     }
-    Float3 floor{};
-    for (int k = 0; k < 3; ++k) floor[k] = tone_curve(lit[k] + ambient[k]);
-    open_.resize(open_steps + 2);
-    for (std::size_t i = 0; i < open_.size(); ++i)
-        for (int k = 0; k < 3; ++k)
-            open_[i][k] =
-                view.background[k] + static_cast<float>(i) / open_steps * (floor[k] - view.background[k]);
-    for (const Float4& c : open_) {
-        Float4& shown = open_shown_.emplace_back();
-        for (int k = 0; k < 3; ++k) shown[k] = encode(std::clamp(c[k], 0.0f, 1.0f));
+    for (int k = 0; k < 3; ++k) {
+        const float floor = tone_curve(lit[k] + ambient[k]);
+        for (int i = 0; i < open_steps + 2; ++i) {
+            const float c =
+                view.background[k] + static_cast<float>(i) / open_steps * (floor - view.background[k]);
+            open_[k].push_back(c);
+            open_shown_[k].push_back(encode(std::clamp(c, 0.0f, 1.0f)));
+        }
     }
+    open_picture_.resize(std::size_t{4} * view.width * view.height);
+}
+
+bool Backdrop::is_of(const View& view, const Ground* ground, const Float3& lit, const Float3& ambient) const {
+    return view == view_ && ground_ == (ground ? std::optional(*ground) : std::nullopt) && lit == lit_ &&
+           ambient == ambient_;
 }
 
 /// How much of the floor is seen along a ray, against the background: 1 at the disc's middle.
 float Backdrop::floor_share(const Float3& ray) const {
-    const float t = depth_below_ / std::max(-ray[1], 1e-6f);
+    const float t = depth_below_ / limited(-ray[1], 1e-6f, infinity);
     const float x = t * ray[0] - center_[0], z = t * ray[2] - center_[1];
     const float share = 1 / (1 + (x * x + z * z) * fade_);
     return ray[1] < -1e-6f ? share * share : 0;
 }
 
-Backdrop::Float4 Backdrop::behind(const std::vector<Float4>& colors, float share) {
-    const float place = open_steps * share;
-    const int i = static_cast<int>(place);
-    const float part = place - static_cast<float>(i);
-    Float4 c{};
-    for (int k = 0; k < 4; ++k) c[k] = colors[i][k] + part * (colors[i + 1][k] - colors[i][k]);
-    return c;
+/// Of the pixels from `x` on, `y` from the bottom.
+Backdrop::Run<float> Backdrop::floor_shares(int x, int y) const {
+    Run<float> shares{};
+    const Float3 start = corner_ + (static_cast<float>(y) + 0.5f) * step_y_;
+    for (int i = 0; i < run; ++i)
+        shares[i] = floor_share(start + (static_cast<float>(x + i) + 0.5f) * step_x_);
+    return shares;
 }
 
-Backdrop::Float4 Backdrop::shadowed(float share, float key, float sky) const {
-    Float4 c{};
-    for (int k = 0; k < 3; ++k) {
-        const float radiance = lit_[k] * key + ambient_[k] * sky;
-        const float floor = look_up(tables.tone, std::min(radiance, brightest) * (tone_steps / brightest));
-        c[k] = view_.background[k] + share * (floor - view_.background[k]);
+void Backdrop::draw_open(int first, int last) {
+    Float3 background{};
+    for (int k = 0; k < 3; ++k) background[k] = encoded(view_.background[k]);
+    for (int row = first; row < last; ++row)
+        for (int x = 0; x < view_.width; x += run) {
+            const int y = view_.height - 1 - row;
+            Run<float> shares{};
+            if (ground_) shares = floor_shares(x, y);
+            Run<std::uint32_t> colors;
+            colors.fill(0xff000000);
+            for (int k = 0; k < 3; ++k) {
+                const float* table = open_shown_[k].data();
+                const float flat = background[k];
+                Run<float> floor{};
+                for (int i = 0; i < run; ++i)
+                    floor[i] = look_up(table, open_steps * shares[i]) + dither(i, y);
+                for (int i = 0; i < run; ++i) colors[i] |= rounded(shares[i] > 0 ? floor[i] : flat) << 8 * k;
+            }
+            std::memcpy(open_picture_.data() + std::size_t{4} * (std::size_t{1} * row * view_.width + x),
+                        colors.data(), std::size_t{4} * std::min(run, view_.width - x));
+        }
+}
+
+/// Between the middles of four texels, each of 2x2 pixels.
+Backdrop::LightRun Backdrop::light_of(const GroundLight& light, int x, int y) {
+    LightRun result;
+    const int last_x = light.width - 1, last_y = light.height - 1;
+    const int y0 = y == 0 ? 0 : (y - 1) / 2, y1 = std::min(y0 + 1, last_y);
+    const float part_y = y == 0 ? 0 : y % 2 == 0 ? 0.75f : 0.25f;
+    const std::uint8_t* low = light.shares.data() + std::size_t{4} * light.width * y0;
+    const std::uint8_t* high = light.shares.data() + std::size_t{4} * light.width * y1;
+    // Columns from the one before the first pixel's to the one after the last's
+    constexpr int columns = run / 2 + 2;
+    std::array<float, columns> key{}, sky{};
+    int all = 255;
+    for (int i = 0; i < columns; ++i) {
+        const int column = 4 * std::clamp(x / 2 - 1 + i, 0, last_x);
+        const std::uint8_t *a = low + column, *b = high + column;
+        all &= a[0] & a[1] & b[0] & b[1];
+        key[i] = static_cast<float>(a[0]) + part_y * static_cast<float>(b[0] - a[0]);
+        sky[i] = static_cast<float>(a[1]) + part_y * static_cast<float>(b[1] - a[1]);
     }
-    return c;
+    result.open = all == 255;
+    if (result.open) return result;
+    for (int i = 0; i < run / 2; ++i)
+        for (const auto& [from, to] : {std::pair{&key, &result.key}, {&sky, &result.sky}}) {
+            const float a = (*from)[i], b = (*from)[i + 1], c = (*from)[i + 2];
+            (*to)[2 * i] = a + 0.75f * (b - a);
+            (*to)[2 * i + 1] = b + 0.25f * (c - b);
+        }
+    return result;
 }
 
 void Backdrop::compose(std::span<const std::uint8_t> shaded, const GroundLight& light, Image& image,
                        int first, int last) const {
-    const int width = view_.width, height = view_.height;
-    const Float3 step_x = (2 * camera_.half_width / static_cast<float>(width)) * camera_.right;
-    const Float3 step_y = (2 * camera_.half_height / static_cast<float>(height)) * camera_.up;
-    const Float3 corner =
-        camera_.forward - camera_.half_width * camera_.right - camera_.half_height * camera_.up;
-    std::vector<float> shares(static_cast<std::size_t>(width), 0.0f);
-    Float4 flat{};  // background where the floor ends
-    for (int k = 0; k < 3; ++k) flat[k] = view_.background[k];
+    const int width = view_.width;
     for (int row = first; row < last; ++row) {
-        const int y = height - 1 - row;  // OpenGL's rows start at the bottom
-        const std::uint8_t* from = shaded.data() + std::size_t{4} * width * y;
-        std::uint8_t* to = image.pixel(0, row);
-        const Float3 start = corner + (static_cast<float>(y) + 0.5f) * step_y;
-        if (has_ground_)
-            for (int x = 0; x < width; ++x)
-                shares[x] = floor_share(start + (static_cast<float>(x) + 0.5f) * step_x);
-        // Rows of the light on both sides of this one's middle
-        const float light_y = std::clamp(0.5f * (static_cast<float>(y) + 0.5f) - 0.5f, 0.0f,
-                                         static_cast<float>(std::max(light.height - 1, 0)));
-        const int y0 = static_cast<int>(light_y), y1 = std::min(y0 + 1, std::max(light.height - 1, 0));
-        const float part_y = light_y - static_cast<float>(y0);
-        const std::uint8_t* low = light.shares.data() + std::size_t{4} * light.width * y0;
-        const std::uint8_t* high = light.shares.data() + std::size_t{4} * light.width * y1;
-        for (int x = 0; x < width; ++x, from += 4, to += 4) {
-            if (from[3] == 255) {
-                for (int k = 0; k < 4; ++k) to[k] = from[k];
-                continue;
+        const int y = view_.height - 1 - row;  // OpenGL's rows start at the bottom
+        for (int x = 0; x < width; x += run)
+            compose_run(shaded.data() + std::size_t{4} * (std::size_t{1} * width * y + x), light, x, y,
+                        std::min(run, width - x), image.pixel(x, row));
+    }
+}
+
+/// `count` pixels, from `x` on, over the open floor in `to`.
+void Backdrop::compose_run(const std::uint8_t* from, const GroundLight& light, int x, int y, int count,
+                           std::uint8_t* to) const {
+    int least = 255, most = 0;
+    for (int i = 0; i < count; ++i) {
+        least = std::min<int>(least, from[4 * i + 3]);
+        most = std::max<int>(most, from[4 * i + 3]);
+    }
+    if (least == 255) {
+        std::memcpy(to, from, std::size_t{4} * count);
+        return;
+    }
+    LightRun reached;
+    if (ground_ && light.width > 0) reached = light_of(light, x, y);
+    if (reached.open && most == 0) return;
+    Run<float> shares{};
+    if (ground_) shares = floor_shares(x, y);
+    const auto in_light = [&](int i) {
+        return reached.open || shares[i] <= 0 || (reached.key[i] == 255 && reached.sky[i] == 255);
+    };
+
+    if (!reached.open) {
+        Run<std::uint32_t> colors{};
+        std::memcpy(colors.data(), to, std::size_t{4} * count);
+        Run<std::uint32_t> shown;
+        shown.fill(0xff000000);
+        const float *key = reached.key.data(), *sky = reached.sky.data(), *srgb_table = tables.encoded.data();
+        for (int k = 0; k < 3; ++k) {
+            const Shadowed shadowed{lit_[k], ambient_[k], view_.background[k]};
+            // In steps, as GCC makes vector instructions of each but not of their sum.
+            Run<float> at{}, c{};
+            for (int i = 0; i < run; ++i) at[i] = shadowed.place(key[i], sky[i]);
+            for (int i = 0; i < run; ++i) c[i] = shadowed.color(shares[i], at[i]);
+            for (int i = 0; i < run; ++i) at[i] = srgb_place(c[i]);
+            for (int i = 0; i < run; ++i)
+                shown[i] |= rounded(look_up(srgb_table, at[i]) + dither(i, y)) << 8 * k;
+        }
+        for (int i = 0; i < run; ++i) colors[i] = in_light(i) ? colors[i] : shown[i];
+        std::memcpy(to, colors.data(), std::size_t{4} * count);
+    }
+    if (most == 0) return;
+    for (int i = 0; i < count; ++i, from += 4, to += 4) {
+        if (from[3] == 255) std::copy_n(from, 4, to);
+        if (from[3] == 255 || from[3] == 0) continue;
+        const float covered = static_cast<float>(from[3]) / 255, open = 1 - covered;
+        for (int k = 0; k < 3; ++k) {
+            float behind = view_.background[k];
+            if (shares[i] > 0 && in_light(i)) behind = look_up(open_[k].data(), open_steps * shares[i]);
+            if (shares[i] > 0 && !in_light(i)) {
+                const Shadowed shadowed{lit_[k], ambient_[k], view_.background[k]};
+                behind = shadowed.color(shares[i], shadowed.place(reached.key[i], reached.sky[i]));
             }
-            Float4 color = flat;
-            float dither = 0;
-            if (shares[x] > 0) {
-                // The floor's colour varies too slowly for 8 bits: an ordered pattern (Bayer 1973) hides the
-                // steps.
-                const int diagonal = x ^ y;
-                const int order = (diagonal & 1) << 3 | (y & 1) << 2 | (diagonal & 2) | (y & 2) >> 1;
-                dither = (static_cast<float>(order) - 7.5f) / 16;
-                float key = 255, sky = 255;
-                const int x0 = std::max((x - 1) / 2, 0), x1 = std::min(x0 + 1, std::max(light.width - 1, 0));
-                const auto in_light = [](const std::uint8_t* p) { return (p[0] & p[1]) == 255; };
-                const bool open_floor =
-                    light.width == 0 || (in_light(low + 4 * x0) && in_light(low + 4 * x1) &&
-                                         in_light(high + 4 * x0) && in_light(high + 4 * x1));
-                if (open_floor && from[3] == 0) {  // most of the picture
-                    const Float4 shown = behind(open_shown_, shares[x]);
-                    for (int k = 0; k < 3; ++k)
-                        to[k] = static_cast<std::uint8_t>(std::clamp(shown[k] + dither + 0.5f, 0.0f, 255.0f));
-                    to[3] = 255;
-                    continue;
-                }
-                if (!open_floor) {
-                    const float part_x = x == 0 ? 0 : x % 2 == 0 ? 0.75f : 0.25f;
-                    const auto at = [&](int channel) {
-                        const float a = low[4 * x0 + channel], b = low[4 * x1 + channel];
-                        const float c = high[4 * x0 + channel], d = high[4 * x1 + channel];
-                        const float e = a + part_x * (b - a), f = c + part_x * (d - c);
-                        return e + part_y * (f - e);
-                    };
-                    key = at(0);
-                    sky = at(1);
-                }
-                color = key == 255 && sky == 255 ? behind(open_, shares[x])
-                                                 : shadowed(shares[x], key / 255, sky / 255);
-            }
-            const float covered = static_cast<float>(from[3]) / 255, open = 1 - covered;
-            for (int k = 0; k < 3; ++k) {
-                const float c = covered > 0 ? covered * tables.decoded[from[k]] + open * color[k] : color[k];
-                const float shown = look_up(tables.encoded, std::clamp(c, 0.0f, 1.0f) * srgb_steps);
-                to[k] = static_cast<std::uint8_t>(std::clamp(shown + open * dither + 0.5f, 0.0f, 255.0f));
-            }
-            to[3] = 255;
+            const float c = covered * tables.decoded[from[k]] + open * behind;
+            const float shown = encoded(c);
+            to[k] = static_cast<std::uint8_t>(rounded(shown + (shares[i] > 0 ? open * dither(i, y) : 0)));
         }
     }
 }

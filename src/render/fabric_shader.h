@@ -63,21 +63,16 @@ vec4 weave_relief(vec2 at, vec2 extent) {
 #endif
 )";
 
-/// Leaves only the pixels that see a surface to the depth test of the next pass.
-inline constexpr const char* covered_fragment = R"(
-uniform usampler2D numbers;
-uniform vec2 texel;              // a pixel's width and height in the samples' texture
-void main() {
-    if (all(equal(textureGather(numbers, gl_FragCoord.xy * texel), uvec4(0u)))) discard;
-}
-)";
-
 /// Writes the colour of what is seen as sRGB, and its share of the pixel.
 inline constexpr const char* surface_fragment = R"(
 uniform usampler2D numbers;      // of the triangles, 2x2 samples a pixel
 uniform sampler2D depths;        // 1 - near / distance
 uniform usamplerBuffer corners;  // three vertices and the surface
-uniform usamplerBuffer vertices; // two texels each: bits of x y z and of the normal; of ambient light, u and v
+uniform usamplerBuffer vertices; // bits of x y z and of the normal
+uniform usamplerBuffer ambients; // four bytes each
+#if defined(PATTERNS) || defined(WEAVE) || defined(IMAGES)
+uniform samplerBuffer coordinates;
+#endif
 uniform samplerBuffer materials;
 #ifdef COLORS
 uniform samplerBuffer colors;
@@ -124,10 +119,9 @@ struct Seen {
 
 vec3 shade(Seen s, vec2 place) {
     ivec3 v = s.vertices;
-    uvec4 r0 = texelFetch(vertices, 2 * v.x + 1), r1 = texelFetch(vertices, 2 * v.y + 1),
-          r2 = texelFetch(vertices, 2 * v.z + 1);
     vec3 n0 = unpack_normal(s.normals.x), n1 = unpack_normal(s.normals.y), n2 = unpack_normal(s.normals.z);
-    vec4 a0 = unpackUnorm4x8(r0.x), a1 = unpackUnorm4x8(r1.x), a2 = unpackUnorm4x8(r2.x);
+    vec4 a0 = unpackUnorm4x8(texelFetch(ambients, v.x).r), a1 = unpackUnorm4x8(texelFetch(ambients, v.y).r),
+         a2 = unpackUnorm4x8(texelFetch(ambients, v.z).r);
     vec3 p0 = s.p0, e1 = s.e1, e2 = s.e2;
     int entry = 7 * s.surface;
     vec4 front_color = texelFetch(materials, entry), back_color = texelFetch(materials, entry + 1);
@@ -165,7 +159,8 @@ vec3 shade(Seen s, vec2 place) {
 
 #if defined(PATTERNS) || defined(WEAVE) || defined(IMAGES)
     // Rest coordinates, and how they change from this pixel to the next ones
-    vec2 uv0 = uintBitsToFloat(r0.yz), uv1 = uintBitsToFloat(r1.yz) - uv0, uv2 = uintBitsToFloat(r2.yz) - uv0;
+    vec2 uv0 = texelFetch(coordinates, v.x).rg, uv1 = texelFetch(coordinates, v.y).rg - uv0,
+         uv2 = texelFetch(coordinates, v.z).rg - uv0;
     vec2 uv = uv0 + shares.y * uv1 + shares.z * uv2;
     vec3 step_x = distance * (ray_x - ray * (dot(across, ray_x) / towards));
     vec3 step_y = distance * (ray_y - ray * (dot(across, ray_y) / towards));
@@ -248,8 +243,15 @@ vec3 shade(Seen s, vec2 place) {
     // a third of the key light.
     float enclosed = clamp(1.0 - ambient.x - ambient.y, 0.0, 1.0);
     vec3 ambient_light = from_above + from_below + enclosed * albedo * (sky * 0.4 + bounce * 0.3 + light_radiance * 0.3);
+    // Of even light from everywhere, what the sheen returns (a fit to its integral) and what is mirrored (Karis 2014,
+    // Physically Based Shading on Mobile, after Lazarov)
     float rim = 1.0 - cos_eye;
-    radiance += ambient_light * (albedo + fiber * (rim * rim * rim));
+    float sheen = 0.083 + 0.27 * rim + 0.33 * rim * rim * rim;
+    vec4 fit = sqrt(sqrt(lobe.x)) * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float smooth_part = min(fit.x * fit.x, exp2(-9.28 * cos_eye)) * fit.x + fit.y;
+    float mirror = kind.x > 0.0 ? kind.x * (fit.z - 1.04 * smooth_part) + fit.w + 1.04 * smooth_part : 0.0;
+    float upwards = clamp(0.5 + 2.0 * cos_eye * normal.y - to_eye.y, 0.0, 1.0);
+    radiance += ambient_light * (albedo + fiber * sheen) + mix(bounce, sky, upwards) * ((1.0 - enclosed) * mirror);
     return tone_curve(radiance * exposure);
 }
 
@@ -257,7 +259,10 @@ void main() {
     // The four samples of a pixel, as a gather orders them
     const vec4 left_right = vec4(-0.25, 0.25, 0.25, -0.25), down_up = vec4(0.25, 0.25, -0.25, -0.25);
     vec2 gathered = gl_FragCoord.xy * texel;
+    vec4 inverse = 1.0 - textureGather(depths, gathered);
     uvec4 number = textureGather(numbers, gathered);
+    number = uvec4(inverse.x > 0.0 ? number.x : 0u, inverse.y > 0.0 ? number.y : 0u, inverse.z > 0.0 ? number.z : 0u,
+                   inverse.w > 0.0 ? number.w : 0u);
     vec4 waiting = vec4(notEqual(number, uvec4(0u)));
     float coverage = 0.25 * dot(waiting, vec4(1.0));
     vec3 sum = vec3(0.0);
@@ -266,7 +271,6 @@ void main() {
     // that are left. Inside a surface that is once a pixel.
     for (int pass = 0; pass < 4; ++pass) {
         if (dot(waiting, vec4(1.0)) < 0.5) break;
-        vec4 inverse = 1.0 - textureGather(depths, gathered);
         vec4 first = waiting.x > 0.0   ? vec4(1.0, 0.0, 0.0, 0.0)
                      : waiting.y > 0.0 ? vec4(0.0, 1.0, 0.0, 0.0)
                      : waiting.z > 0.0 ? vec4(0.0, 0.0, 1.0, 0.0)
@@ -274,7 +278,7 @@ void main() {
         uint chosen = first.x > 0.0 ? number.x : first.y > 0.0 ? number.y : first.z > 0.0 ? number.z : number.w;
         uvec4 triangle = texelFetch(corners, int(chosen & 0x0fffffffu) - 1);
         ivec3 v = ivec3(triangle.xyz);
-        uvec4 c0 = texelFetch(vertices, 2 * v.x), c1 = texelFetch(vertices, 2 * v.y), c2 = texelFetch(vertices, 2 * v.z);
+        uvec4 c0 = texelFetch(vertices, v.x), c1 = texelFetch(vertices, v.y), c2 = texelFetch(vertices, v.z);
         vec3 p0 = uintBitsToFloat(c0.xyz);
         Seen seen = Seen(v, int(triangle.w), chosen >= 0x80000000u, p0, uintBitsToFloat(c1.xyz) - p0,
                          uintBitsToFloat(c2.xyz) - p0, uvec3(c0.w, c1.w, c2.w));

@@ -57,11 +57,13 @@ struct Surface {
 struct Ground {
     float height = 0.0f;  ///< y [m]
     Float3 color{0.6f, 0.6f, 0.6f};
+    bool operator==(const Ground&) const = default;
 };
 
 struct Frame {
     std::vector<Surface> surfaces;
     std::optional<Ground> ground;
+    std::optional<Float3> floor_color{};  ///< of a floor among the surfaces, for the light that it returns
 };
 
 struct Light {
@@ -71,6 +73,7 @@ struct Light {
     bool shadow = true;
     float softness = 0.003f;  ///< least half-width of a shadow's edge [m]
     float angle = 4.0f;  ///< across the light, as seen from the scene [degree]: edges widen with distance
+    bool operator==(const Light&) const = default;
 };
 
 struct View {
@@ -87,6 +90,7 @@ struct View {
     /// Two corners [m] of the box inside which surfaces cast shadows and occlude. Empty: that of the frame's
     /// shadow-casting surfaces, widened a little so that it seldom changes from frame to frame.
     std::optional<std::array<Float3, 2>> shadow_bounds;
+    bool operator==(const View&) const = default;
 };
 
 }  // namespace cloth::render

@@ -19,7 +19,7 @@ namespace cloth::render {
 /// The entry points used, by their names without the prefix.
 #define CLOTH_GL_FUNCTIONS(X)                                                                               \
     X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindFramebuffer) X(BindSampler) X(BindTexture)         \
-    X(BindVertexArray) X(BufferData) X(CheckFramebufferStatus) X(Clear) X(ClearBufferuiv) X(ClearColor)     \
+    X(BindVertexArray) X(BufferData) X(CheckFramebufferStatus) X(Clear) X(ClearColor)     \
     X(CompileShader) X(CreateProgram) X(CreateShader) X(DeleteBuffers) X(DeleteFramebuffers)                \
     X(DeleteProgram) X(DeleteSamplers) X(DeleteShader) X(DeleteTextures) X(DeleteVertexArrays)              \
     X(DepthFunc) X(Disable) X(DrawArrays) X(DrawBuffer) X(DrawElements) X(Enable)                           \

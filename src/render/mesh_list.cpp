@@ -196,25 +196,31 @@ bool MeshList::assemble(std::span<const Surface> surfaces) {
             }
         }
     }
-    vertices.resize(8 * count);
+    vertices.resize(4 * count);
+    ambient.resize(count);
     colors.clear();
+    coordinates.clear();
     if (std::ranges::any_of(surfaces, [](const Surface& s) { return !s.colors.empty(); }))
         colors.resize(4 * count);
+    if (std::ranges::any_of(surfaces, [](const Surface& s) {
+            return s.material.pattern != Pattern::plain || s.material.weave > 0;
+        }))
+        coordinates.resize(2 * count);
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
         const Surface& s = surfaces[i];
         const SurfaceTopology& t = topologies[i];
-        std::uint32_t* words = vertices.data() + 8 * std::size_t{first_vertex[i]};
+        const std::size_t first = first_vertex[i];
+        std::uint32_t* words = vertices.data() + 4 * first;
         for (std::size_t v = 0; v < t.vertices; ++v) {
-            std::uint32_t* w = words + 8 * v;
+            std::uint32_t* w = words + 4 * v;
             for (int k = 0; k < 3; ++k) w[k] = std::bit_cast<std::uint32_t>(s.positions[3 * v + k]);
             w[3] = octahedral({s.normals[3 * v], s.normals[3 * v + 1], s.normals[3 * v + 2]});
-            w[5] = s.coordinates.empty() ? 0 : std::bit_cast<std::uint32_t>(s.coordinates[2 * v]);
-            w[6] = s.coordinates.empty() ? 0 : std::bit_cast<std::uint32_t>(s.coordinates[2 * v + 1]);
-            w[7] = 0;
         }
         // Doubled vertices are drawn, but all else is looked up at the vertex itself.
         for (std::size_t d = 0; d < t.doubled.size(); ++d)
-            std::copy_n(words + 8 * std::size_t{t.doubled[d]}, 8, words + 8 * (t.vertices + d));
+            std::copy_n(words + 4 * std::size_t{t.doubled[d]}, 4, words + 4 * (t.vertices + d));
+        if (!coordinates.empty())
+            std::ranges::copy(s.coordinates, coordinates.begin() + static_cast<std::ptrdiff_t>(2 * first));
         if (s.colors.empty()) continue;
         float* color = colors.data() + 4 * std::size_t{first_vertex[i]};
         for (std::size_t v = 0; v < t.vertices; ++v) {
@@ -226,13 +232,13 @@ bool MeshList::assemble(std::span<const Surface> surfaces) {
 }
 
 void MeshList::set_ambient(std::size_t surface, std::span<const float> values) {
-    std::uint32_t* words = vertices.data() + 8 * std::size_t{first_vertex[surface]};
+    std::uint32_t* words = ambient.data() + first_vertex[surface];
     for (std::size_t v = 0; 4 * v < values.size(); ++v) {
         std::uint32_t packed = 0;
         for (int k = 0; k < 4; ++k)
             packed |= static_cast<std::uint32_t>(255 * std::clamp(values[4 * v + k], 0.0f, 1.0f) + 0.5f)
                       << 8 * k;
-        words[8 * v + 4] = packed;
+        words[v] = packed;
     }
 }
 

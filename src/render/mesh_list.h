@@ -44,11 +44,12 @@ struct MeshList {
     std::vector<std::uint32_t> first_index;   ///< likewise; surfaces that cast shadows come first
     std::vector<std::uint32_t> indices;
     std::vector<std::uint32_t> corners;  ///< a b c and number of the surface, per vertex
-    /// Eight words per vertex: bits of x y z, the normal as two halves of its octahedral image; ambient light
-    /// as four bytes, bits of u v, 0
+    /// Four words per vertex: bits of x y z, the normal as two halves of its octahedral image
     std::vector<std::uint32_t> vertices;
-    std::vector<float> colors;        ///< r g b and 1, or zeros; empty where no surface has colours
-    std::size_t casting_indices = 0;  ///< of the surfaces that cast shadows
+    std::vector<std::uint32_t> ambient;  ///< four bytes per vertex
+    std::vector<float> coordinates;      ///< u v per vertex, or zeros; empty where no material needs them
+    std::vector<float> colors;           ///< r g b and 1, or zeros; empty where no surface has colours
+    std::size_t casting_indices = 0;     ///< of the surfaces that cast shadows
 
     /// True where indices or corners changed. Leaves ambient light open.
     bool assemble(std::span<const Surface> surfaces);

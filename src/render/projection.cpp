@@ -15,26 +15,6 @@ Matrix affine(const Float3& x, float ox, const Float3& y, float oy, const Float3
     return {x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, ox, oy, oz, 1};
 }
 
-// Counter-clockwise; Andrew's monotone chain.
-std::vector<std::array<float, 2>> convex_hull(std::vector<std::array<float, 2>> points) {
-    std::sort(points.begin(), points.end());
-    std::vector<std::array<float, 2>> hull;
-    for (int pass = 0; pass < 2; ++pass) {
-        const std::size_t start = hull.size();
-        for (const auto& p : points) {
-            while (hull.size() >= start + 2) {
-                const auto &a = hull[hull.size() - 2], &b = hull.back();
-                if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) break;
-                hull.pop_back();
-            }
-            hull.push_back(p);
-        }
-        hull.pop_back();
-        std::reverse(points.begin(), points.end());
-    }
-    return hull;
-}
-
 }  // namespace
 
 Camera make_camera(const View& view) {
@@ -133,21 +113,6 @@ GroundPatch ground_patch(const Bounds& b, float height) {
     const float margin = std::max({b.high[1] - height, b.high[1] - b.low[1],
                                    0.25f * std::max(b.high[0] - b.low[0], b.high[2] - b.low[2])});
     return {{b.low[0] - margin, b.low[2] - margin}, {b.high[0] + margin, b.high[2] + margin}, height};
-}
-
-std::vector<std::array<float, 2>> lit_outline(const GroundPatch& patch, const Bounds& bounds,
-                                              const Float3& to_light, bool shadow, float shadow_radius) {
-    const auto &low = patch.low, &high = patch.high;
-    std::vector<std::array<float, 2>> points{low, {high[0], low[1]}, high, {low[0], high[1]}};
-    if (shadow)
-        for (Float3 corner : box_corners(bounds)) {
-            const float t = std::max(corner[1] - patch.height, 0.0f) / to_light[1];
-            corner = corner - t * to_light;
-            const float reach = 2 * shadow_radius / to_light[1];
-            for (const float dx : {-reach, reach})
-                for (const float dz : {-reach, reach}) points.push_back({corner[0] + dx, corner[2] + dz});
-        }
-    return convex_hull(points);
 }
 
 }  // namespace cloth::render

@@ -46,8 +46,4 @@ struct GroundPatch {
 };
 GroundPatch ground_patch(const Bounds& bounds, float height);
 
-/// Convex outline (x, z) of the patch, and of the shadow of the bounds on the floor.
-std::vector<std::array<float, 2>> lit_outline(const GroundPatch& patch, const Bounds& bounds,
-                                              const Float3& to_light, bool shadow, float shadow_radius);
-
 }  // namespace cloth::render

@@ -14,6 +14,7 @@
 #include "render/mesh_list.h"
 #include "render/projection.h"
 #include "render/shaders.h"
+#include "render/tile_mask.h"
 
 namespace cloth::render {
 namespace {
@@ -21,6 +22,11 @@ namespace {
 constexpr int supersampling = 2;  // along each axis; the shaders are written for 2
 constexpr int search_taps = 8, surface_taps = 14, ground_search_taps = 8, ground_taps = 20, settled_taps = 8;
 constexpr int ground_occlusion_size = 40;
+constexpr int tile = 8;            // pixels that are shaded or left out together
+constexpr int caster_cells = 128;  // of the shadow map, along a side, that hold a caster or none
+// What is shaded, and by which program, is told by the depth of its squares.
+constexpr std::array<float, 2> layer_depths{-0.5f, 0.0f};
+constexpr Matrix unchanged{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 constexpr int most_images = 4, image_unit = 5;
 constexpr std::size_t most_vertices =
     (std::size_t{1} << 28) - 2;  // the bits that a sample has for its number
@@ -48,6 +54,19 @@ struct Shot {
     bool shadow = false, occlusion = false, ground = false;
 };
 
+/// Ray of pixel p: corner + p.x x + p.y y, of distance 1.
+struct Rays {
+    Float3 corner, x, y;
+};
+/// `step`: pixels of the picture per pixel of what is drawn.
+Rays make_rays(const Shot& shot, int step) {
+    const Camera& c = shot.camera;
+    const auto halves = static_cast<float>(2 * step);
+    return {c.forward - c.half_width * c.right - c.half_height * c.up,
+            (halves * c.half_width / static_cast<float>(shot.view.width)) * c.right,
+            (halves * c.half_height / static_cast<float>(shot.view.height)) * c.up};
+}
+
 /// What a frame's surfaces need of the shading program.
 struct Features {
     bool patterns = false, weave = false, colors = false;
@@ -74,10 +93,10 @@ struct Rasterizer::Impl {
         gl.GenVertexArrays(1, &mesh_array);
         gl.BindVertexArray(mesh_array);
         gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices.buffer());
-        point_at(vertices, 8);
-        gl.GenVertexArrays(1, &floor_array);
-        gl.BindVertexArray(floor_array);
-        point_at(floor, 3);
+        point_at(vertices, 4);
+        gl.GenVertexArrays(1, &layer_array);
+        gl.BindVertexArray(layer_array);
+        point_at(layers, 3);
         gl.GenTextures(1, &ground_occlusion);
         for (GLuint* sampler : {&comparing, &smooth}) {
             gl.GenSamplers(1, sampler);
@@ -96,7 +115,7 @@ struct Rasterizer::Impl {
     ~Impl() {
         context.make_current();
         gl.DeleteVertexArrays(1, &mesh_array);
-        gl.DeleteVertexArrays(1, &floor_array);
+        gl.DeleteVertexArrays(1, &layer_array);
         gl.DeleteTextures(1, &ground_occlusion);
         gl.DeleteSamplers(1, &comparing);
         gl.DeleteSamplers(1, &smooth);
@@ -108,27 +127,34 @@ struct Rasterizer::Impl {
     std::size_t threads;
     Program depth_program{gl, {shaders::depth_vertex}, {shaders::depth_fragment}};
     Program visibility_program{gl, {shaders::visibility_vertex}, {shaders::visibility_fragment}};
-    Program ground_light_program{gl,
-                                 {shaders::depth_vertex},
-                                 {shaders::shadow, shaders::ground_point, shaders::ground_light_fragment}};
-    Program covered_program{gl, {shaders::screen_vertex}, {shaders::covered_fragment}};
+    Program ground_shadow_program{
+        gl,
+        {shaders::depth_vertex},
+        {"#define SHADOW\n", shaders::shadow, shaders::ground_point, shaders::ground_light_fragment}};
+    Program ground_open_program{
+        gl, {shaders::depth_vertex}, {shaders::ground_point, shaders::ground_light_fragment}};
     std::map<Features, std::unique_ptr<Program>> surface_programs;
     Target shadow_map{context, 0, GL_DEPTH_COMPONENT32F};
     Target samples{context, GL_R32UI, GL_DEPTH_COMPONENT32F};
-    Target ground_light{context, GL_RGBA8, 0};
+    Target ground_light{context, GL_RGBA8, GL_DEPTH_COMPONENT16};
     Target shaded{context, GL_RGBA8, GL_DEPTH_COMPONENT16};
     ListBuffer vertices{context, GL_RGBA32UI}, corners{context, GL_RGBA32UI};
+    ListBuffer ambients{context, GL_R32UI}, coordinates{context, GL_RG32F};
     ListBuffer materials{context, GL_RGBA32F}, colors{context, GL_RGBA32F};
-    ListBuffer indices{context, 0}, floor{context, 0};
-    GLuint mesh_array = 0, floor_array = 0, ground_occlusion = 0, comparing = 0, smooth = 0;
+    ListBuffer indices{context, 0}, layers{context, 0};
+    GLuint mesh_array = 0, layer_array = 0, ground_occlusion = 0, comparing = 0, smooth = 0;
     std::map<std::shared_ptr<const Image>, GLuint> textures;
     MeshList list;
     AmbientOcclusion occlusion;
     std::vector<float> ambient;
     std::vector<std::uint8_t> pixels, ground_pixels;
+    std::optional<Backdrop> backdrop;
 
     Image draw(const Frame& frame, const View& view);
 
+    struct GroundTiles {
+        TileMask shadowed, occluded;
+    };
     void point_at(const ListBuffer& list_buffer, int components);
     void upload(const Frame& frame);
     void compute_ambient(const Shot& shot);
@@ -140,6 +166,9 @@ struct Rasterizer::Impl {
     void bind_texture(int unit, GLuint texture, GLuint sampler);
     void set_rays(Program& program, const Shot& shot, int step);
     void set_shadow(Program& program, const Shot& shot, int first_unit);
+    void draw_layers(const TileMask& layer_0, const TileMask& layer_1);
+    void fill_layer(int layer);
+    GroundTiles ground_tiles(const Shot& shot, const GroundPatch& patch, bool shadow) const;
     void draw_ground_light(const Shot& shot);
     Image compose(const Shot& shot);
     void shade(const Shot& shot, const Features& features);
@@ -164,6 +193,8 @@ void Rasterizer::Impl::upload(const Frame& frame) {
         indices.fill(std::span<const std::uint32_t>(list.indices));
         corners.fill(std::span<const std::uint32_t>(list.corners));
     }
+    vertices.fill(std::span<const std::uint32_t>(list.vertices));
+    if (!list.coordinates.empty()) coordinates.fill(std::span<const float>(list.coordinates));
     if (!list.colors.empty()) colors.fill(std::span<const float>(list.colors));
 }
 
@@ -209,7 +240,7 @@ void Rasterizer::Impl::compute_ambient(const Shot& shot) {
         spread(topology, values);
         list.set_ambient(i, values);
     }
-    vertices.fill(std::span<const std::uint32_t>(list.vertices));
+    ambients.fill(std::span<const std::uint32_t>(list.ambient));
 }
 
 GLuint Rasterizer::Impl::texture_of(const std::shared_ptr<const Image>& image) {
@@ -279,7 +310,7 @@ Features Rasterizer::Impl::upload_materials(const Frame& frame) {
 Program& Rasterizer::Impl::surface_program(const Features& features) {
     std::unique_ptr<Program>& program = surface_programs[features];
     if (!program)
-        program.reset(new Program(gl, {shaders::screen_vertex},
+        program.reset(new Program(gl, {shaders::depth_vertex},
                                   {features.defines().c_str(), shaders::tone_curve, shaders::shadow,
                                    shaders::pattern, shaders::surface_fragment}));
     return *program;
@@ -306,9 +337,7 @@ void Rasterizer::Impl::draw_shadow_map(const Shot& shot) {
 void Rasterizer::Impl::draw_samples(const Shot& shot) {
     samples.bind(supersampling * shot.view.width, supersampling * shot.view.height);
     gl.Enable(GL_DEPTH_TEST);
-    const std::array<GLuint, 4> none{};
-    gl.ClearBufferuiv(GL_COLOR, 0, none.data());
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);  // numbers stay; what is farthest shows none
     gl.Enable(GL_CLIP_DISTANCE0);
     Program& p = visibility_program;
     p.use();
@@ -331,15 +360,12 @@ void Rasterizer::Impl::bind_texture(int unit, GLuint texture, GLuint sampler) {
     gl.BindSampler(static_cast<GLuint>(unit), sampler);
 }
 
-/// `step`: pixels of the picture per pixel of what is drawn.
 void Rasterizer::Impl::set_rays(Program& p, const Shot& shot, int step) {
-    const View& view = shot.view;
-    const Camera& c = shot.camera;
-    const auto halves = static_cast<float>(2 * step);
-    p.set("eye", view.eye);
-    p.set("ray_corner", c.forward - c.half_width * c.right - c.half_height * c.up);
-    p.set("ray_x", (halves * c.half_width / static_cast<float>(view.width)) * c.right);
-    p.set("ray_y", (halves * c.half_height / static_cast<float>(view.height)) * c.up);
+    const Rays rays = make_rays(shot, step);
+    p.set("eye", shot.view.eye);
+    p.set("ray_corner", rays.corner);
+    p.set("ray_x", rays.x);
+    p.set("ray_y", rays.y);
 }
 
 void Rasterizer::Impl::set_shadow(Program& p, const Shot& shot, int first_unit) {
@@ -354,6 +380,80 @@ void Rasterizer::Impl::set_shadow(Program& p, const Shot& shot, int first_unit) 
           s.depth / s.width * std::tan(0.5f * shot.view.light.angle * std::numbers::pi_v<float> / 180));
 }
 
+/// Lays squares into the depth buffer, those of two layers at depths of their own, for fill_layer.
+void Rasterizer::Impl::draw_layers(const TileMask& layer_0, const TileMask& layer_1) {
+    std::vector<float> positions;
+    for (const float z : layer_depths) positions.insert(positions.end(), {-1, -1, z, 3, -1, z, -1, 3, z});
+    layer_0.append_triangles(positions, layer_depths[0]);
+    layer_1.append_triangles(positions, layer_depths[1]);
+    gl.BindVertexArray(layer_array);
+    layers.fill(std::span<const float>(positions));
+    gl.Enable(GL_DEPTH_TEST);
+    depth_program.use();
+    depth_program.set("world_to_clip", unchanged);
+    gl.DrawArrays(GL_TRIANGLES, 6, static_cast<GLsizei>(positions.size() / 3 - 6));
+    gl.DepthFunc(GL_EQUAL);
+}
+
+/// Draws over the squares of a layer, with a program whose `world_to_clip` leaves positions as they are.
+/// llvmpipe goes once through a loop's body even where no pixel of a block wants it, but not where all fail
+/// the depth test.
+void Rasterizer::Impl::fill_layer(int layer) {
+    gl.DrawArrays(GL_TRIANGLES, 3 * layer, 3);
+}
+
+/// Where shadow can fall on the floor, and where else objects can hide the sky from it.
+Rasterizer::Impl::GroundTiles Rasterizer::Impl::ground_tiles(const Shot& shot, const GroundPatch& patch,
+                                                             bool shadow) const {
+    const View& view = shot.view;
+    GroundTiles tiles{{(view.width + 1) / 2, (view.height + 1) / 2, tile},
+                      {(view.width + 1) / 2, (view.height + 1) / 2, tile}};
+    const ShadowView& s = shot.shadow_view;
+    TileMask casters(caster_cells, caster_cells, 1);
+    if (shadow)
+        for (const Surface& surface : shot.frame.surfaces)
+            if (surface.casts_shadow) casters.mark(surface, s.world_to_clip);
+    const float reach = (s.largest_radius + 2 * s.texel) / s.width;
+    // Where the rays through the tiles' corners meet the floor, and that point in the map
+    struct Corner {
+        bool on_floor;
+        Float3 floor, map;
+    };
+    const Rays rays = make_rays(shot, 2 * tile);
+    const int across = tiles.shadowed.columns() + 1;
+    std::vector<Corner> corners_of_tiles;
+    for (int row = 0; row <= tiles.shadowed.rows(); ++row)
+        for (int column = 0; column < across; ++column) {
+            const Float3 ray =
+                rays.corner + static_cast<float>(column) * rays.x + static_cast<float>(row) * rays.y;
+            const Float3 p = view.eye + ((patch.height - view.eye[1]) / std::min(ray[1], -1e-4f)) * ray;
+            corners_of_tiles.push_back({ray[1] < -1e-4f, p, transformed(s.world_to_texture, p)});
+        }
+    for (int row = 0; row < tiles.shadowed.rows(); ++row)
+        for (int column = 0; column < tiles.shadowed.columns(); ++column) {
+            Bounds on_floor = nothing, on_map = nothing;
+            int below = 0;  // the horizon
+            for (const int corner : {0, 1, across, across + 1}) {
+                const Corner& c = corners_of_tiles[static_cast<std::size_t>(row * across + column + corner)];
+                below += c.on_floor;
+                on_floor = merged(on_floor, {c.floor, c.floor});
+                on_map = merged(on_map, {c.map, c.map});
+            }
+            if (below == 0) continue;
+            const bool in_patch =
+                below < 4 || (on_floor.low[0] < patch.high[0] && on_floor.high[0] > patch.low[0] &&
+                              on_floor.low[2] < patch.high[1] && on_floor.high[2] > patch.low[1]);
+            const bool in_shadow =
+                shadow && (below < 4 || casters.any(on_map.low[0] - reach, on_map.low[1] - reach,
+                                                    on_map.high[0] + reach, on_map.high[1] + reach));
+            if (in_shadow)
+                tiles.shadowed.mark(column, row);
+            else if (in_patch)
+                tiles.occluded.mark(column, row);
+        }
+    return tiles;
+}
+
 /// Light that reaches the floor near the objects; all of it elsewhere.
 void Rasterizer::Impl::draw_ground_light(const Shot& shot) {
     const bool near_objects = shot.ground && (shot.shadow || shot.occlusion);
@@ -361,9 +461,8 @@ void Rasterizer::Impl::draw_ground_light(const Shot& shot) {
         ground_light.bind((shot.view.width + 1) / 2, (shot.view.height + 1) / 2);
     else
         ground_light.bind(16, 16);
-    gl.Disable(GL_DEPTH_TEST);
     gl.ClearColor(1, 1, 1, 1);
-    gl.Clear(GL_COLOR_BUFFER_BIT);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (!near_objects) return;
 
     const GroundPatch patch = ground_patch(shot.bounds, shot.frame.ground->height);
@@ -386,32 +485,32 @@ void Rasterizer::Impl::draw_ground_light(const Shot& shot) {
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, size, size, 0, GL_RED, GL_FLOAT, open.data());
 
     const bool shadow = shot.shadow && shot.to_light[1] > 1e-3f;
-    std::vector<float> polygon;
-    for (const auto& [x, z] :
-         lit_outline(patch, shot.bounds, shot.to_light, shadow, shot.shadow_view.largest_radius))
-        polygon.insert(polygon.end(), {x, patch.height, z});
-    gl.BindVertexArray(floor_array);
-    floor.fill(std::span<const float>(polygon));
-
-    Program& p = ground_light_program;
-    p.use();
-    set_rays(p, shot, 2);
-    set_shadow(p, shot, 2);
-    bind_texture(0, ground_occlusion, smooth);
-    p.set("world_to_clip", shot.camera.world_to_clip);
-    p.set("ground_height", patch.height);
-    p.set("ground_occlusion", 0);
+    const auto [shadowed, occluded] = ground_tiles(shot, patch, shadow);
+    draw_layers(shadowed, occluded);
     const float scale_x = 1 / (patch.high[0] - patch.low[0]), scale_z = 1 / (patch.high[1] - patch.low[1]);
-    p.set("ground_occlusion_place",
-          std::array<float, 4>{scale_x, scale_z, -patch.low[0] * scale_x, -patch.low[1] * scale_z});
+    for (Program* p : {&ground_shadow_program, &ground_open_program}) {
+        p->use();
+        p->set("world_to_clip", unchanged);
+        set_rays(*p, shot, 2);
+        p->set("ground_height", patch.height);
+        p->set("ground_occlusion", 0);
+        p->set("ground_occlusion_place",
+               std::array<float, 4>{scale_x, scale_z, -patch.low[0] * scale_x, -patch.low[1] * scale_z});
+    }
+    bind_texture(0, ground_occlusion, smooth);
+    fill_layer(1);
+    Program& p = ground_shadow_program;
+    p.use();
+    set_shadow(p, shot, 2);
     const ShadowView& s = shot.shadow_view;
     p.set("shadow_place", s.place);
     const float slope = s.width / s.depth / std::max(shot.to_light[1], 0.05f);
     p.set("ground_slope", slope * s.x[1], slope * s.y[1]);
-    p.set("search_taps", shadow && shot.view.light.angle > 0 ? ground_search_taps : 0);
-    p.set("shadow_taps", shadow ? ground_taps : 0);
+    p.set("search_taps", shot.view.light.angle > 0 ? ground_search_taps : 0);
+    p.set("shadow_taps", ground_taps);
     p.set("settled_taps", settled_taps);
-    gl.DrawArrays(GL_TRIANGLE_FAN, 0, static_cast<GLsizei>(polygon.size() / 3));
+    fill_layer(0);
+    gl.DepthFunc(GL_LEQUAL);
 }
 
 /// Colour of the surfaces and their share of each pixel.
@@ -425,19 +524,14 @@ void Rasterizer::Impl::shade(const Shot& shot, const Features& features) {
     gl.Enable(GL_SCISSOR_TEST);
     gl.Scissor(shot.box.x, shot.box.y, shot.box.width, shot.box.height);
     bind_texture(0, samples.color(), 0);
-    gl.BindVertexArray(floor_array);
-    const auto set_numbers = [&](Program& program) {
-        program.use();
-        program.set("numbers", 0);
-        program.set("texel", 1 / static_cast<float>(view.width), 1 / static_cast<float>(view.height));
-    };
-    // llvmpipe goes once through a loop's body even where no pixel of a block wants it, but not where all
-    // fail the depth test.
-    set_numbers(covered_program);
-    gl.DrawArrays(GL_TRIANGLES, 0, 3);
-    gl.DepthFunc(GL_EQUAL);
+    TileMask seen(view.width, view.height, tile);
+    for (const Surface& surface : shot.frame.surfaces) seen.mark(surface, shot.camera.world_to_clip);
+    draw_layers(seen, TileMask(0, 0, tile));
     Program& p = surface_program(features);
-    set_numbers(p);
+    p.use();
+    p.set("world_to_clip", unchanged);
+    p.set("numbers", 0);
+    p.set("texel", 1 / static_cast<float>(view.width), 1 / static_cast<float>(view.height));
     bind_texture(1, samples.depth(), 0);
     p.set("depths", 1);
     set_shadow(p, shot, 2);
@@ -447,6 +541,8 @@ void Rasterizer::Impl::shade(const Shot& shot, const Features& features) {
     int unit = image_unit + most_images;
     for (const auto& [name, buffer] : {std::pair{"vertices", &vertices},
                                        {"corners", &corners},
+                                       {"ambients", &ambients},
+                                       {"coordinates", &coordinates},
                                        {"materials", &materials},
                                        {"colors", &colors}}) {
         buffer->bind_texture(unit);
@@ -466,7 +562,7 @@ void Rasterizer::Impl::shade(const Shot& shot, const Features& features) {
     p.set("settled_taps", settled_taps);
     // A comparison is of up to four texels around a tap.
     p.set("normal_offset", 1.5f * s.texel);
-    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    fill_layer(0);
     gl.Disable(GL_SCISSOR_TEST);
     gl.DepthFunc(GL_LEQUAL);
 }
@@ -491,19 +587,23 @@ Image Rasterizer::Impl::compose(const Shot& shot) {
         light.shares = ground_pixels;
     }
     const Float3 color = shot.ground ? view.exposure * shot.frame.ground->color : Float3{};
-    const Backdrop backdrop(view, shot.camera, shot.ground ? &*shot.frame.ground : nullptr,
-                            std::max(shot.to_light[1], 0.0f) * (color * shot.key), color * view.sky);
-    image.rgba.resize(pixels.size());
+    const Ground* ground = shot.ground ? &*shot.frame.ground : nullptr;
+    const Float3 lit = std::max(shot.to_light[1], 0.0f) * (color * shot.key),
+                 ambient_light = color * view.sky;
+    const bool fresh = !backdrop || !backdrop->is_of(view, ground, lit, ambient_light);
+    if (fresh) backdrop.emplace(view, ground, lit, ambient_light);
     // Each row stands alone.
     const int parts = std::min<int>(static_cast<int>(threads), std::max(1, view.height / 64));
-    std::vector<std::jthread> helpers;
-    for (int part = 1; part < parts; ++part)
-        helpers.emplace_back([&, part] {
-            backdrop.compose(pixels, light, image, view.height * part / parts,
-                             view.height * (part + 1) / parts);
-        });
-    backdrop.compose(pixels, light, image, 0, view.height / parts);
-    helpers.clear();
+    const auto in_parts = [&](const auto& work) {
+        std::vector<std::jthread> helpers;
+        for (int part = 1; part < parts; ++part)
+            helpers.emplace_back(
+                [&, part] { work(view.height * part / parts, view.height * (part + 1) / parts); });
+        work(0, view.height / parts);
+    };
+    if (fresh) in_parts([&](int first, int last) { backdrop->draw_open(first, last); });
+    image.rgba = backdrop->open();
+    in_parts([&](int first, int last) { backdrop->compose(pixels, light, image, first, last); });
     return image;
 }
 
@@ -525,9 +625,9 @@ Image Rasterizer::Impl::draw(const Frame& frame, const View& view) {
     shot.key = (view.light.intensity / std::numbers::pi_v<float>)*view.light.color;
     // A floor returns what it gets, a part of it shaded by what stands there; without one, the background's
     // glow stands in.
-    shot.bounce = frame.ground ? frame.ground->color *
-                                     (0.8f * view.sky + (0.6f * std::max(shot.to_light[1], 0.0f)) * shot.key)
-                               : 0.5f * view.background;
+    const std::optional<Float3> floor = frame.ground ? std::optional(frame.ground->color) : frame.floor_color;
+    shot.bounce = floor ? *floor * (0.9f * view.sky + (0.75f * std::max(shot.to_light[1], 0.0f)) * shot.key)
+                        : 0.5f * view.background;
     shot.ground = frame.ground && view.eye[1] > frame.ground->height;
     shot.shadow = view.light.shadow && occupied;
     shot.occlusion = view.ambient_occlusion && occupied;
@@ -535,11 +635,12 @@ Image Rasterizer::Impl::draw(const Frame& frame, const View& view) {
 
     context.make_current();
     upload(frame);
+    draw_samples(shot);
+    draw_shadow_map(shot);
+    gl.Flush();  // the driver's threads draw while this one goes on
     if (shot.occlusion) occlusion.build(frame.surfaces, shot.bounds);
     compute_ambient(shot);
     const Features features = upload_materials(frame);
-    draw_samples(shot);
-    draw_shadow_map(shot);
     draw_ground_light(shot);
     shade(shot, features);
     return compose(shot);

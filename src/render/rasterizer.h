@@ -4,7 +4,8 @@
 // Radiance of a surface towards the eye, with E = intensity · color of the light and l its direction:
 //   E/π (n·l) shadow (albedo (1 - F) + GGX + sheen)   key light: Walter et al. 2007, Schlick's F and G terms;
 //                                                     sheen: Estevez and Kulla 2017
-//   + albedo (sky · above + bounce · below)           fill; above, below = (1 ± n.y)/2 less what is occluded
+//   + (albedo + sheen) (sky · above + bounce · below)  fill; above, below = (1 ± n.y)/2 less what is occluded
+//   + mirror (sky or bounce)                           where a mirror would show it, by a fit (Karis 2014)
 // bounce is what the floor returns, or half the background where there is none; the surfaces around
 // return a part of what they hide. Times exposure, it goes
 // through a tone curve, x up to 0.6, then 0.6 + 0.4 (1 - exp(-(x - 0.6)/0.4)), and becomes sRGB. The

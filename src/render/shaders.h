@@ -96,13 +96,6 @@ out uint fragment;
 void main() { fragment = uint(number) | (gl_FrontFacing ? 0x80000000u : 0u); }
 )";
 
-inline constexpr const char* screen_vertex = R"(
-void main() {
-    vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);  // one triangle that covers the picture
-    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
-}
-)";
-
 /// Where the ray through a pixel meets the floor.
 inline constexpr const char* ground_point = R"(
 uniform vec3 eye;
@@ -118,19 +111,23 @@ vec3 ground_point(vec3 ray) { return eye + ray * ((ground_height - eye.y) / min(
 inline constexpr const char* ground_light_fragment = R"(
 uniform sampler2D ground_occlusion;
 uniform vec4 ground_occlusion_place;  // scale and offset of x and z
+#ifdef SHADOW
 uniform vec4 shadow_place;       // low and high x z of where shadow can fall, in texture coordinates
 uniform vec2 ground_slope;       // of the shadow map's depth on the floor
 uniform int search_taps;
-uniform int shadow_taps;         // 0: no shadow
+uniform int shadow_taps;
 uniform int settled_taps;
+#endif
 out vec4 fragment;
 void main() {
     vec3 point = ground_point(ray_corner + gl_FragCoord.x * ray_x + gl_FragCoord.y * ray_y);
     float open = texture(ground_occlusion, point.xz * ground_occlusion_place.xy + ground_occlusion_place.zw).r;
+    float lit = 1.0;
+#ifdef SHADOW
     vec2 p = (world_to_shadow * vec4(point, 1.0)).xy;
     bool inside = all(greaterThan(p, shadow_place.xy)) && all(lessThan(p, shadow_place.zw));
-    float lit =
-        key_light_visibility(point, ground_slope, inside ? search_taps : 0, inside ? shadow_taps : 0, settled_taps);
+    lit = key_light_visibility(point, ground_slope, inside ? search_taps : 0, inside ? shadow_taps : 0, settled_taps);
+#endif
     fragment = vec4(lit, open, 0.0, 1.0);
 }
 )";

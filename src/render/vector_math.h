@@ -39,6 +39,11 @@ inline bool finite(const Float3& a) {
 }
 
 using Matrix = std::array<float, 16>;  // by columns, as OpenGL takes it
+/// Of a point, without the division by w.
+inline Float3 transformed(const Matrix& m, const Float3& p) {
+    return {m[0] * p[0] + m[4] * p[1] + m[8] * p[2] + m[12], m[1] * p[0] + m[5] * p[1] + m[9] * p[2] + m[13],
+            m[2] * p[0] + m[6] * p[1] + m[10] * p[2] + m[14]};
+}
 
 /// Axis-aligned, in metres.
 struct Bounds {

@@ -836,6 +836,8 @@ std::vector<Overlap> BarrierContact::overlaps(const VecX& x, std::size_t most) c
         o.faces = {f, g};
         o.body_a = mesh.vertex_body[a[0]];
         o.body_b = mesh.vertex_body[b[0]];
+        for (const auto& face : {a, b})
+            o.corners.push_back({point(x, face[0]), point(x, face[1]), point(x, face[2])});
         found.push_back(o);
     }
     for (const Contact& c : contacts(x)) {

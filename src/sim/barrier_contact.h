@@ -72,10 +72,11 @@ struct ExtraBlocks {
 };
 
 struct Overlap {
-    std::array<int, 2> faces{-1, -1};           ///< two triangles that cross, in ContactMesh numbers; or
-    std::array<int, 4> points{-1, -1, -1, -1};  ///< a pair nearer than its thickness; a plane: one vertex
-    double gap = 0.0;                           ///< [m]
-    int body_a = -1, body_b = -1;               ///< body_b = -1 - p: plane p
+    std::array<int, 2> faces{-1, -1};            ///< two triangles that cross, in ContactMesh numbers; or
+    std::array<int, 4> points{-1, -1, -1, -1};   ///< a pair nearer than its thickness; a plane: one vertex
+    double gap = 0.0;                            ///< [m]
+    int body_a = -1, body_b = -1;                ///< body_b = -1 - p: plane p
+    std::vector<std::array<Vec3, 3>> corners{};  ///< of `faces`, as they stand [m]
 };
 
 class BarrierContact final : public Energy {

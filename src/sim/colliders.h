@@ -27,9 +27,11 @@ ContactSystem make_contact_system(const Model& model);
 /// Thrown where a step starts with things that overlap.
 class OverlapError : public std::runtime_error {
   public:
-    OverlapError(const std::string& message, std::vector<int> triangles)
-        : std::runtime_error(message), cloth_triangles(std::move(triangles)) {}
-    std::vector<int> cloth_triangles;  ///< over all cloths
+    OverlapError(const std::string& message, std::vector<int> numbers,
+                 std::vector<std::array<Vec3, 3>> corners)
+        : std::runtime_error(message), cloth_triangles(std::move(numbers)), triangles(std::move(corners)) {}
+    std::vector<int> cloth_triangles;            ///< over all cloths
+    std::vector<std::array<Vec3, 3>> triangles;  ///< corners of cloth's and colliders', as they stand [m]
 };
 
 /// Throws OverlapError where anything overlaps at x, naming up to ten pairs.
