@@ -549,92 +549,101 @@ void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H
 
 void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H, ExtraBlocks& extra) const {
     const int n = system_.cloth_vertices;
+    auto moves = [&](int v) { return v >= 0 && v < n; };
+    // Blocks of a pair's upper triangle, row by row, and where they go.
+    constexpr int nowhere = -2, outside_pattern = -1;
+    constexpr std::array<int, 10> rows{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, columns{0, 1, 2, 3, 1, 2, 3, 2, 3, 3};
+    using Slots = std::array<int, 10>;
+    auto slots_of = [&](const std::array<int, 4>& points, int split) {
+        Slots slots;
+        bool coupled_inside = true;
+        auto couples = [&](int p) { return rows[p] < split && columns[p] >= split; };
+        for (int p = 0; p < 10; ++p) {
+            const int v = points[rows[p]], w = points[columns[p]];
+            slots[p] = moves(v) && moves(w) ? find_slot(*pattern_, std::min(v, w), std::max(v, w)) : nowhere;
+            if (couples(p) && slots[p] == outside_pattern) coupled_inside = false;
+        }
+        // What the pattern takes of a pair must be positive semi-definite by itself: both sides' own blocks,
+        // and those that couple the sides all or none.
+        for (int p = 0; p < 10; ++p) {
+            if (!coupled_inside && couples(p) && slots[p] != nowhere) slots[p] = outside_pattern;
+        }
+        return slots;
+    };
     const auto& list = contacts(x);
-    std::vector<Mat12> of_contact(list.size());
-    constexpr int chunk = 64;
-    tbb::parallel_for(0, static_cast<int>((list.size() + chunk - 1) / chunk), [&](int p) {
-        for (std::size_t i = p * chunk; i < std::min<std::size_t>(list.size(), (p + 1) * chunk); ++i) {
-            if (!list[i].flat) of_contact[i] = contact_hessian(list[i], gather(x, list[i].points), kind);
-        }
-    });
-    struct Entry {
-        std::array<int, 2> where;
-        int order;
-        Mat3 block;
-    };
-    std::vector<Entry> outside;
-    auto add = [&](int i, int j, const Mat3& block, bool inside) {
-        const int slot = i == j   ? pattern_->diagonal(i)
-                         : inside ? find_slot(*pattern_, std::min(i, j), std::max(i, j))
-                                  : -1;
-        const Mat3 upper = i <= j ? block : Mat3(block.transpose());
-        if (slot >= 0) {
-            H.blocks[slot] += upper;
-        } else {
-            outside.push_back({{std::min(i, j), std::max(i, j)}, static_cast<int>(outside.size()), upper});
-        }
-    };
-    // What the pattern takes of a pair must be positive semi-definite by itself: both sides' own blocks, and
-    // those that couple the sides all or none.
-    auto couples_inside = [&](const std::array<int, 4>& points, int split) {
-        for (int i = 0; i < split; ++i) {
-            for (int j = split; j < 4; ++j) {
-                const int v = points[i], w = points[j];
-                if (v < 0 || w < 0 || v >= n || w >= n) continue;
-                if (find_slot(*pattern_, std::min(v, w), std::max(v, w)) < 0) return false;
-            }
-        }
-        return true;
-    };
-    for (std::size_t k = 0; k < list.size(); ++k) {
+    const int contact_count = static_cast<int>(list.size());
+    const int friction_count = static_cast<int>(friction_.size());
+    std::vector<Slots> slots(contact_count + friction_count);
+    contact_hessians_.resize(contact_count);
+    parallel_for(contact_count, [&](int k) {
         const Contact& c = list[k];
         if (c.flat) {
-            H.blocks[pattern_->diagonal(c.points[0])] +=
+            contact_hessians_[k].topLeftCorner<3, 3>() =
                 barrier(c.gap, c.activation, c.stiffness).second * c.normal * c.normal.transpose();
-            continue;
+        } else {
+            contact_hessians_[k] = contact_hessian(c, gather(x, c.points), kind);
         }
-        const int split = c.edges ? 2 : 1;
-        const bool all_inside = couples_inside(c.points, split);
-        for (int i = 0; i < 4; ++i) {
-            for (int j = i; j < 4; ++j) {
-                if (c.points[i] < n && c.points[j] < n) {
-                    add(c.points[i], c.points[j], of_contact[k].block<3, 3>(3 * i, 3 * j),
-                        all_inside || (i < split) == (j < split));
-                }
-            }
-        }
-    }
-    for (const Friction& f : friction_) {
+        slots[k] = slots_of(c.points, c.edges ? 2 : 1);
+    });
+    std::vector<Mat3> friction_hessians(friction_count);  // by the way u of the two sides against each other
+    parallel_for(friction_count, [&](int k) {
+        const Friction& f = friction_[k];
         Vec3 u = -f.start;
         for (int i = 0; i < 4; ++i) {
-            if (f.points[i] >= 0 && f.points[i] < n) u += f.weights[i] * x.segment<3>(3 * f.points[i]);
+            if (moves(f.points[i])) u += f.weights[i] * x.segment<3>(3 * f.points[i]);
         }
         u -= f.normal * f.normal.dot(u);
         const Slide s = slide(u.norm(), sliding_way_);
-        const Mat3 block = f.force * (s.slope * (Mat3::Identity() - f.normal * f.normal.transpose()) +
-                                      s.curvature * u * u.transpose());
-        const bool all_inside = couples_inside(f.points, f.split);
-        for (int i = 0; i < 4; ++i) {
-            for (int j = i; j < 4; ++j) {
-                const int v = f.points[i], w = f.points[j];
-                if (v < 0 || w < 0 || v >= n || w >= n) continue;
-                if (f.weights[i] == 0.0 || f.weights[j] == 0.0) continue;
-                add(v, w, f.weights[i] * f.weights[j] * block, all_inside || (i < f.split) == (j < f.split));
+        friction_hessians[k] = f.force * (s.slope * (Mat3::Identity() - f.normal * f.normal.transpose()) +
+                                          s.curvature * u * u.transpose());
+        slots[contact_count + k] = slots_of(f.points, f.split);
+    });
+    auto points_of = [&](int k) -> const std::array<int, 4>& {
+        return k < contact_count ? list[k].points : friction_[k - contact_count].points;
+    };
+    // Block p of pair k, as it stands above the diagonal.
+    auto upper = [&](int k, int p) -> Mat3 {
+        if (k >= contact_count) {
+            const Friction& f = friction_[k - contact_count];
+            return f.weights[rows[p]] * f.weights[columns[p]] * friction_hessians[k - contact_count];
+        }
+        const Mat3 block = contact_hessians_[k].block<3, 3>(3 * rows[p], 3 * columns[p]);
+        return list[k].points[rows[p]] <= list[k].points[columns[p]] ? block : Mat3(block.transpose());
+    };
+
+    struct Outside {
+        std::uint64_t where;  ///< row, column
+        int pair, block;
+    };
+    std::vector<Outside> outside;
+    for (int k = 0; k < contact_count + friction_count; ++k) {
+        for (int p = 0; p < 10; ++p) {
+            const int slot = slots[k][p];
+            if (slot >= 0) {
+                H.blocks[slot] += upper(k, p);
+            } else if (slot == outside_pattern) {
+                const auto& points = points_of(k);
+                const auto [low, high] = std::minmax(points[rows[p]], points[columns[p]]);
+                outside.push_back(
+                    {static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint32_t>(high), k, p});
             }
         }
     }
-    std::sort(outside.begin(), outside.end(), [](const Entry& a, const Entry& b) {
-        return a.where != b.where ? a.where < b.where : a.order < b.order;
+    std::sort(outside.begin(), outside.end(), [](const Outside& a, const Outside& b) {
+        return a.where != b.where ? a.where < b.where
+               : a.pair != b.pair ? a.pair < b.pair
+                                  : a.block < b.block;
     });
     extra.where.clear();
     extra.blocks.clear();
-    for (const Entry& e : outside) {
-        if (extra.where.empty() || extra.where.back() != e.where) {
-            extra.where.push_back(e.where);
-            extra.blocks.push_back(e.block);
-        } else {
-            extra.blocks.back() += e.block;
+    std::uint64_t last = ~std::uint64_t{0};
+    for (const Outside& o : outside) {
+        if (o.where != last) {
+            last = o.where;
+            extra.where.push_back({static_cast<int>(o.where >> 32), static_cast<int>(o.where & 0xffffffffu)});
+            extra.blocks.push_back(Mat3::Zero());
         }
+        extra.blocks.back() += upper(o.pair, o.block);
     }
 }
 

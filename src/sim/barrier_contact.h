@@ -184,6 +184,7 @@ class BarrierContact final : public Energy {
     mutable VecX contacts_at_;
     mutable bool contacts_known_ = false;
     mutable std::vector<Contact> contacts_;
+    mutable std::vector<Mat12> contact_hessians_;  ///< memory of add_hessian()
     mutable int detections_ = 0;
 };
 
