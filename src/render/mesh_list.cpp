@@ -141,6 +141,28 @@ void spread(const SurfaceTopology& t, std::span<float> values) {
     }
 }
 
+void even_out(const SurfaceTopology& t, int passes, std::span<float> values) {
+    std::vector<std::array<float, 5>> sums;  // four values and the count
+    for (int pass = 0; pass < passes; ++pass) {
+        sums.assign(t.vertices, {});
+        for (std::size_t i = 0; i + 2 < t.triangles.size(); i += 3) {
+            std::array<float, 4> all{};
+            for (std::size_t c = 0; c < 3; ++c)
+                for (std::size_t k = 0; k < 4; ++k) all[k] += values[4 * std::size_t{t.triangles[i + c]} + k];
+            for (std::size_t c = 0; c < 3; ++c) {
+                const std::size_t v = t.triangles[i + c];
+                for (std::size_t k = 0; k < 4; ++k) sums[v][k] += all[k] - values[4 * v + k];
+                sums[v][4] += 2;
+            }
+        }
+        for (std::size_t v = 0; v < t.vertices; ++v) {
+            if (sums[v][4] == 0) continue;
+            for (std::size_t k = 0; k < 4; ++k)
+                values[4 * v + k] = 0.5f * (values[4 * v + k] + sums[v][k] / sums[v][4]);
+        }
+    }
+}
+
 bool winding_follows_normals(const Surface& s) {
     double sum = 0;
     const auto vector = [](std::span<const float> a, std::uint32_t i) {

@@ -34,6 +34,9 @@ bool update(SurfaceTopology& topology, std::span<const std::uint32_t> triangles,
 
 /// Sets the values of the vertices in `order`, four a vertex, from those of the anchors.
 void spread(const SurfaceTopology& topology, std::span<float> values);
+/// Moves each vertex's four values half of the way to the mean over its triangles' other corners, `passes`
+/// times.
+void even_out(const SurfaceTopology& topology, int passes, std::span<float> values);
 
 /// Whether counter-clockwise triangles show the side that the normals point to.
 bool winding_follows_normals(const Surface& surface);

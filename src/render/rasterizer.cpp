@@ -238,6 +238,9 @@ void Rasterizer::Impl::compute_ambient(const Shot& shot) {
         compute_anchors(0, count / parts);
         helpers.clear();
         spread(topology, values);
+        // Where a layer lies nearer than a cell, neighbours see it differently: seen as teeth along folds.
+        constexpr int passes = 4;
+        even_out(topology, passes, values);
         list.set_ambient(i, values);
     }
     ambients.fill(std::span<const std::uint32_t>(list.ambient));
