@@ -752,6 +752,42 @@ size = [64, 48]
     CHECK(std::count(kept.begin(), kept.end(), "state_000029.bin") == 0);
 }
 
+TEST_CASE("cloth pressed where there is no room for it stops with exit code 4 and says so", "[cli]") {
+    const Workplace place;
+    spit(place / "press.toml", R"(
+version = 1
+[simulation]
+integrator = "implicit_euler"
+contact = "barrier"
+retries = 1
+[[cloth]]
+size = [0.1, 0.1]
+resolution = [4, 4]
+rotate = [-90.0, 0.0, 0.0]
+fabric = "cotton"
+[[collider]]
+name = "below"
+shape = "plane"
+center = [0.0, -0.005, 0.0]
+[[collider]]
+name = "above"
+shape = "plane"
+center = [0.0, 0.005, 0.0]
+normal = [0.0, -1.0, 0.0]
+path = [{ time = 0.0 }, { time = 0.2, translate = [0.0, -0.02, 0.0] }]
+[output]
+size = [64, 48]
+)");
+    const Outcome stopped = place.run("simulate --scene press.toml --out o --quiet --frames 30");
+    CHECK(stopped.code == 4);
+    CHECK_THAT(stopped.err, Contains("press: frame ") && Contains("even cut into 2 parts") &&
+                                Contains("pins or colliders cannot get to where the scene wants them") &&
+                                !Contains("residual"));
+    const auto kept = place.files("o/states");
+    CHECK(std::count(kept.begin(), kept.end(), "state_000001.bin") == 1);
+    CHECK(std::count(kept.begin(), kept.end(), "state_000029.bin") == 0);
+}
+
 TEST_CASE("the program tells of itself", "[cli]") {
     const Workplace place;
     const Outcome version = place.run("--version");

@@ -452,6 +452,17 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
                 const SimulationDesc& settings = simulation.model().scene.simulation;
                 const int vertex = record.report.worst_vertex.value_or(0);
                 const Vec3 place = simulation.state().positions.segment<3>(3 * vertex);
+                if (!record.report.placed) {
+                    stages.fail_later(std::make_exception_ptr(
+                        Error(ExitCode::not_converged,
+                              fmt::format(
+                                  "{}: frame {}: in the step from {:.6g} s, even cut into {} parts, pins or "
+                                  "colliders cannot get to where the scene wants them: cloth is in the way; "
+                                  "frames up to {} are kept in {}",
+                                  file.name, frame, simulation.state().time, 1 << settings.retries, frame - 1,
+                                  out.string()))));
+                    return;
+                }
                 stages.fail_later(std::make_exception_ptr(
                     Error(ExitCode::not_converged,
                           fmt::format(

@@ -36,7 +36,8 @@ class Minimization {
     bool run(VecX& x) {
         const SimulationDesc& options = p_.model.scene.simulation;
         const double scale = std::max(gradient(x), 1e-2 * p_.model.weight);
-        if (!place(x)) return false;
+        report_.placed = place(x);
+        if (!report_.placed) return false;
         double value = objective(x);
         {
             const Stopwatch watch(times_.detection);

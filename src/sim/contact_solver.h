@@ -35,6 +35,7 @@ struct ContactWorkspace {
 
 struct ContactSolveReport {
     bool converged = false;
+    bool placed = true;  ///< pins and colliders got to where they go
     int newton_iterations = 0, cg_iterations = 0, factorizations = 0, placements = 0;
     double residual = 0.0;  ///< |∇Φ| / |∇Φ at the start|
     int worst_vertex = -1;

@@ -203,6 +203,7 @@ bool minimize_among_barriers(const Model& model, const State& state, const Stage
     report.contact_times += solve.times;
     report.residual = std::max(report.residual, solve.residual);
     if (solve.worst_vertex >= 0) report.worst_vertex = solve.worst_vertex;
+    report.placed = solve.placed;
     if (!solve.converged) return false;
     report.contacts = std::max(report.contacts, w.contact->contact_count(x));
     report.smallest_gap = std::min(report.smallest_gap, w.contact->smallest_gap(x));
@@ -453,6 +454,7 @@ bool step_by(const Model& model, State& state, double dt, int halvings, Workspac
     if (halvings == 0) {
         report.residual = std::max(report.residual, attempt.residual);
         report.worst_vertex = attempt.worst_vertex;
+        report.placed = attempt.placed;
         return false;
     }
     ++report.retries;

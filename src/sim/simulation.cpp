@@ -61,6 +61,7 @@ FrameReport Simulation::advance_frame() {
         if (s == 0) frame.energy_before = step_report.energy_before;
         frame.energy_after = step_report.energy_after;
         frame.converged = frame.converged && step_report.converged;
+        frame.placed = frame.placed && step_report.placed;
         frame.iterations += step_report.iterations;
         frame.retries += step_report.retries;
         frame.residual = std::max(frame.residual, step_report.residual);

@@ -25,6 +25,7 @@ struct StepReport {
     int contacts = 0;              ///< vertices in contact with colliders; of `barrier`: pairs repelled
     /// Of contact = "barrier": what is left between the nearest pair's surfaces [m]; infinite: none near.
     double smallest_gap = std::numeric_limits<double>::infinity();
+    bool placed = true;                    ///< of `barrier`: pins and colliders got to where they go
     int placements = 0;                    ///< of `barrier`: solves that took pins and colliders along
     int cg_iterations = 0;                 ///< of `barrier`: within the linear solves
     int factorizations = 0;                ///< of `barrier`
