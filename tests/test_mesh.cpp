@@ -184,6 +184,11 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
              s.colliders[0].contact_radius = 0.2;
              s.colliders[0].contact_offset = 0.1;
          }},
+        {"collider[0].rotate", "give its normal",
+         [](Scene& s) {
+             s.colliders[0].shape = Shape::plane;
+             s.colliders[0].rotate = {90.0, 0.0, 0.0};
+         }},
         {"collider[0].contact_radius", "belongs to a sphere",
          [](Scene& s) {
              s.colliders[0].shape = Shape::plane;

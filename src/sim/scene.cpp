@@ -195,6 +195,8 @@ void validate_collider(const ColliderDesc& c, std::size_t i, bool barrier) {
     for (int a = 0; a < 3; ++a) require_positive(c.size(a), item("collider", i, "size"), "m");
     require_positive(c.scale, item("collider", i, "scale"), "");
     require_finite(c.rotate, item("collider", i, "rotate"));
+    require(c.shape != Shape::plane || c.rotate.isZero(0.0), item("collider", i, "rotate"),
+            "turns no plane; give its normal");
     require_finite(c.spin, item("collider", i, "spin"));
     validate_motion(c.path, item("collider", i, "path"));
     require(c.shape != Shape::mesh || c.mesh, item("collider", i, "mesh"),

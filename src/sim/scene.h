@@ -53,7 +53,7 @@ struct Fabric {
     BendingKind bending_model = BendingKind::quadratic;
     double bending = 0.0;  ///< bending rigidity D along the warp [N m]; 0: none, as in the assignment
     std::optional<double> bending_weft;  ///< [N m]; else as along the warp
-    std::optional<double> bending_bias;  ///< [N m]; else such that the rigidity varies as an ellipse's
+    std::optional<double> bending_bias;  ///< [N m]; else such that H = √(warp · weft), see bending_rigidity()
     /// hinges: curvature beyond which a fold stays, in part [1/m]; none: elastic.
     std::optional<double> yield_curvature;
     double membrane_damping = 0.0;  ///< viscous stress = this time × stiffness × strain rate [s]
