@@ -50,14 +50,13 @@ struct Workspace {
 ///
 ///   implicit_euler     base = q, h = dt, y = q + dt v
 ///   implicit_midpoint  base = q, h = dt/2, y = q + h v; then q' = 2x - q
-///   tr_bdf2            two stages of h = (1 - 1/√2) dt (Bank et al. 1985, Transient simulation of silicon
-///                      devices and circuits), γ = 2 - √2:
-///                      1. to t + γ dt by the trapezoidal rule: y = q + 2h v, and the constant force f =
-///                      -∇V(q)
-///                         beside V; velocities v_γ = (x - q)/h - v. Dissipation (viscosity, air) is taken at
-///                         the mean velocity (x - q)/(2h), and twice.
-///                      2. to t + dt by BDF2: base = c₁ q_γ - c₀ q, y = base + h (c₁ v_γ - c₀ v),
-///                         c₁ = 1/(γ(2-γ)), c₀ = (1-γ)²/(γ(2-γ)).
+///   tr_bdf2            two stages of h = (1 - 1/√2) dt, which is γ dt/2 with γ = 2 - √2 (Bank et al. 1985,
+///                      Transient simulation of silicon devices and circuits).
+///                      To t + γ dt by the trapezoidal rule: base = q, y = q + 2h v, f = -∇V(q); q_γ = x and
+///                      v_γ = (x - q)/h - v. Dissipation (viscosity, air) is left out of f, and taken twice
+///                      in V instead, at the mean velocity (x - q)/(2h).
+///                      To t + dt by BDF2: base = c₁ q_γ - c₀ q, y = base + h (c₁ v_γ - c₀ v), f = 0, with
+///                      c₁ = 1/(γ(2-γ)), c₀ = (1-γ)²/(γ(2-γ)).
 ///
 /// A step that does not converge is undone and made in two halves, each of which may be halved in turn; past
 /// `retries` halvings the state is left as it was and the report says converged = false.

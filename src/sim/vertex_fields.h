@@ -4,12 +4,12 @@
 //
 // With G the deformation gradient of a triangle over its rest plane, C = GᵀG:
 //   stretch      greater principal stretch, root of C's greater eigenvalue [1]
-//   bending      Frobenius norm of the change of curvature since rest, from the angles to its neighbours
-//   [1/m] kinetic      ½ ρ |v|², ρ the mass per area of the sheet at rest [J/m²] gap          distance to the
-//   nearest collider that is on, where it stands at the time; negative inside, but for
-//                meshes; NaN where none is on [m]
-//   strain_rate  rate at which the direction that changes most changes its length: of the eigenvalues of
-//                C⁻¹ dC/dt / 2 the one of greatest magnitude, taken without sign [1/s]
+//   bending      Frobenius norm of the change of curvature since rest, by the angles between triangles [1/m]
+//   kinetic      ½ ρ |v|², ρ the mass per area of the sheet at rest [J/m²]
+//   gap          distance to the nearest collider that is on [m], where it stands at the time; negative
+//                inside, but for meshes; NaN where none is on
+//   strain_rate  rate at which the direction that changes most changes its length [1/s]: of the eigenvalues
+//                of C⁻¹ dC/dt / 2 the one of greatest magnitude, taken without sign
 // What belongs to triangles is averaged at each vertex over those around it by their rest areas.
 
 #include <string_view>
