@@ -1779,9 +1779,7 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
         }
         const auto selected = [&](const VertexSelection& selection, int cloth, const std::string& key) {
             const ClothDesc& c = d.scene.cloths[cloth];
-            return select_vertices(selection, start_positions(c, rest_shape(c)), key,
-                                   c.mesh || c.disc ? nullptr : &c.grid)
-                .size();
+            return select_vertices(selection, start_positions(c, rest_shape(c)), key, c.rest_grid()).size();
         };
         for (std::size_t i = 0; i < d.scene.pins.size(); ++i)
             selected(d.scene.pins[i], d.scene.pins[i].cloth, entry("pin", i));

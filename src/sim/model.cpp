@@ -198,10 +198,9 @@ std::vector<SeamSpring> make_seam_springs(const Model& model) {
             rest.positions =
                 model.rest_positions.middleRows(model.cloths[c].first_vertex, model.cloths[c].vertex_count);
             start[side] = start_positions(cloth, rest);
-            vertices[side] =
-                select_vertices(seam.sides[side], start[side],
-                                "seam[" + std::to_string(i) + "]." + (side == 0 ? "first" : "second"),
-                                cloth.mesh || cloth.disc ? nullptr : &cloth.grid);
+            vertices[side] = select_vertices(
+                seam.sides[side], start[side],
+                "seam[" + std::to_string(i) + "]." + (side == 0 ? "first" : "second"), cloth.rest_grid());
         }
         if (vertices[0].size() != vertices[1].size()) {
             throw SceneError("seam[" + std::to_string(i) + "]",
@@ -253,8 +252,7 @@ std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
         const ClothDesc& cloth = scene.cloths[pin.cloth];
         const Points start = start_positions(cloth, meshes[pin.cloth]);
         PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
-        for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]",
-                                     cloth.mesh || cloth.disc ? nullptr : &cloth.grid)) {
+        for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]", cloth.rest_grid())) {
             group.vertices.push_back(model.cloths[pin.cloth].first_vertex + v);
             group.start.push_back(start.row(v));
             group.center += group.start.back();

@@ -112,6 +112,9 @@ struct ClothDesc {
     double contact_thickness =
         1e-3;  ///< of `barrier`: other things stay half of this away from the sheet [m]
     Fabric fabric;
+
+    /// The grid where it is the rest shape, else null.
+    const Grid* rest_grid() const { return disc || mesh ? nullptr : &grid; }
 };
 
 enum class Shape { sphere, plane, box, capsule, cylinder, mesh };
