@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "sim/rest_frame.h"
+
 namespace cloth {
 namespace {
 
@@ -72,17 +74,12 @@ std::vector<BendingPatch> make_bending_patches(const Points& rest, const Triangl
     for (int t = 0; t < triangles.rows(); ++t) {
         std::array<Vec3, 3> X;
         for (int i = 0; i < 3; ++i) X[i] = rest.row(triangles(t, i));
-        const Vec3 area_normal = (X[1] - X[0]).cross(X[2] - X[0]);
-        const Vec3 normal = area_normal.normalized();
-        Vec3 t0 = warp - normal * normal.dot(warp);
-        if (!(t0.norm() > 1e-6 * warp.norm())) t0 = X[1] - X[0];
-        t0.normalize();
-        const Vec3 t1 = normal.cross(t0);
+        const RestFrame frame = make_rest_frame(X[0], X[1], X[2], warp);
         std::array<Vec2, 3> p;
-        for (int i = 0; i < 3; ++i) p[i] = Vec2(t0.dot(X[i] - X[0]), t1.dot(X[i] - X[0]));
+        for (int i = 0; i < 3; ++i) p[i] = frame.in_plane(X[i] - X[0]);
 
         BendingPatch patch;
-        patch.area = 0.5 * area_normal.norm();
+        patch.area = frame.area;
         patch.fold_weights.setZero();
         patch.rim.setZero();
         patch.offsets.setZero();

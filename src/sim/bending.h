@@ -48,7 +48,7 @@ struct BendingPatch {
     Vec3 rest_folds;                      ///< 2 tan(θ_i/2) at rest
 };
 
-/// Patches of all triangles. A curved rest shape is unfolded across each edge. `warp`: see make_woven_rest().
+/// Patches of all triangles. A curved rest shape is unfolded across each edge. `warp`: see make_rest_frame().
 std::vector<BendingPatch> make_bending_patches(const Points& rest, const Triangles& triangles,
                                                const Vec3& warp);
 

@@ -7,8 +7,6 @@
 namespace cloth {
 namespace {
 
-using Mat32 = Eigen::Matrix<double, 3, 2>;
-
 /// Singular value decomposition of G = Σ s_i u_i v_iᵀ, s0 ≥ s1 ≥ 0, with the normal u0 × u1.
 struct Stretches {
     double s0, s1;

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
-
 #include "sim/assignment.h"
+#include "sim/rest_frame.h"
 
 namespace cloth {
 namespace {
-
-using Mat32 = Eigen::Matrix<double, 3, 2>;
 
 /// What energy and derivatives share.
 struct Kinematics {
@@ -66,16 +63,10 @@ Mat2 normal_stiffness(const TriangleRest& rest, const Kinematics& k, double c, b
 
 TriangleRest make_triangle_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, double thickness, double mu,
                                 double lambda) {
+    const RestFrame frame = make_rest_frame(X0, X1, X2);
     TriangleRest rest;
-    const Vec3 e1 = X1 - X0, e2 = X2 - X0;
-    const Vec3 area_normal = e1.cross(e2);
-    const Vec3 t0 = e1.normalized();
-    const Vec3 t1 = area_normal.normalized().cross(t0);
-    Mat2 Dm;
-    Dm << t0.dot(e1), t0.dot(e2), t1.dot(e1), t1.dot(e2);
-    rest.b.bottomRows<2>() = Dm.inverse();
-    rest.b.row(0) = -rest.b.row(1) - rest.b.row(2);
-    rest.volume = 0.5 * area_normal.norm() * thickness;
+    rest.b = shape_gradients(frame, X0, X1, X2);
+    rest.volume = frame.area * thickness;
     rest.mu = mu;
     rest.lambda = lambda;
     rest.dphi = dphi_cloth_triangle_dX(X0, X1, X2);

@@ -24,10 +24,10 @@ namespace cloth {
 
 /// Constants of one triangle at rest.
 struct TriangleRest {
-    Eigen::Matrix<double, 3, 2> b;  ///< row i: gradient of shape function i in the rest frame [1/m]
-    double volume;                  ///< area times thickness [m³]
-    double mu, lambda;              ///< [Pa]
-    Mat3 dphi;                      ///< the same gradients in space, for the assignment's Hessian [1/m]
+    Mat32 b;            ///< row i: gradient of shape function i in the rest frame [1/m]
+    double volume;      ///< area times thickness [m³]
+    double mu, lambda;  ///< [Pa]
+    Mat3 dphi;          ///< the same gradients in space, for the assignment's Hessian [1/m]
 };
 
 TriangleRest make_triangle_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, double thickness, double mu,

@@ -34,7 +34,7 @@ struct Model {
     ScalarBlockMatrix mass;   ///< consistent mass [kg]
     double weight = 0.0;      ///< |gravity force| over all vertices, for the scale of residuals [N]
     std::vector<std::unique_ptr<Energy>> energies;  ///< the sum that a step minimises
-    std::vector<TriangleRest> triangle_rest;        ///< for stretches
+    std::vector<TriangleRest> triangle_rest;        ///< per triangle, for stretches
     double time_step = 0.0;                         ///< [s]
     int steps_per_frame = 1;
 

@@ -13,6 +13,7 @@ namespace cloth {
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Mat2 = Eigen::Matrix2d;
+using Mat32 = Eigen::Matrix<double, 3, 2>;
 using Mat3 = Eigen::Matrix3d;
 using Mat4 = Eigen::Matrix4d;
 using Vec9 = Eigen::Matrix<double, 9, 1>;

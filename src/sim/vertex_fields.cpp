@@ -14,19 +14,6 @@
 namespace cloth {
 namespace {
 
-using Mat32 = Eigen::Matrix<double, 3, 2>;
-
-Mat32 shape_gradients(const Vec3& X0, const Vec3& X1, const Vec3& X2) {
-    const Vec3 e1 = X1 - X0, e2 = X2 - X0;
-    const Vec3 t0 = e1.normalized(), t1 = e1.cross(e2).normalized().cross(t0);
-    Mat2 edges;
-    edges << t0.dot(e1), t0.dot(e2), t1.dot(e1), t1.dot(e2);
-    Mat32 b;
-    b.bottomRows<2>() = edges.inverse();
-    b.row(0) = -b.row(1) - b.row(2);
-    return b;
-}
-
 /// Eigenvalues of a real matrix that has real ones.
 std::array<double, 2> eigenvalues(const Mat2& m) {
     const double mean = 0.5 * m.trace(), half = 0.5 * (m(0, 0) - m(1, 1));
@@ -89,10 +76,6 @@ const VertexFieldName& name_of(VertexField field) {
 }
 
 VertexFields::VertexFields(const Model& model) : model_(model), densities_(model.vertex_count()) {
-    for (int t = 0; t < model.triangle_count(); ++t) {
-        const auto corner = [&](int i) { return Vec3(model.rest_positions.row(model.triangles(t, i))); };
-        shape_gradients_.push_back(shape_gradients(corner(0), corner(1), corner(2)));
-    }
     patches_ = make_bending_patches(model.rest_positions, model.triangles, Vec3::UnitX());
     for (std::size_t c = 0; c < model.cloths.size(); ++c)
         densities_.segment(model.cloths[c].first_vertex, model.cloths[c].vertex_count)
@@ -119,7 +102,7 @@ double VertexFields::of_triangle(VertexField field, const State& state, int t) c
     const auto gradient = [&](const VecX& q) {
         Mat32 G = Mat32::Zero();
         for (int i = 0; i < 3; ++i)
-            G += q.segment<3>(3 * model_.triangles(t, i)) * shape_gradients_[t].row(i);
+            G += q.segment<3>(3 * model_.triangles(t, i)) * model_.triangle_rest[t].b.row(i);
         return G;
     };
     const Mat32 G = gradient(state.positions);

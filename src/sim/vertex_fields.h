@@ -42,9 +42,8 @@ class VertexFields {
     double curvature(const State& state, int triangle) const;
 
     const Model& model_;
-    std::vector<Eigen::Matrix<double, 3, 2>> shape_gradients_;  ///< per triangle, rest frame [1/m]
-    std::vector<BendingPatch> patches_;                         ///< numbered over all vertices
-    VecX densities_;                                            ///< per vertex [kg/m²]
+    std::vector<BendingPatch> patches_;  ///< numbered over all vertices
+    VecX densities_;                     ///< per vertex [kg/m²]
 };
 
 }  // namespace cloth

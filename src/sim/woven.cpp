@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include "sim/rest_frame.h"
 
 namespace cloth {
 namespace {
-
-using Mat32 = Eigen::Matrix<double, 3, 2>;
 
 Mat32 deformation(const WovenRest& rest, const Vec9& q9) {
     // Differences first: a sheet far from the origin loses no digits.
@@ -41,20 +39,8 @@ Mat3 woven_stiffness(double young_warp, double young_weft, double poisson, doubl
 
 WovenRest make_woven_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, const Vec3& warp, double thickness,
                           const Mat3& C) {
-    WovenRest rest;
-    const Vec3 e1 = X1 - X0, e2 = X2 - X0;
-    const Vec3 area_normal = e1.cross(e2), normal = area_normal.normalized();
-    Vec3 t0 = warp - normal * normal.dot(warp);
-    if (!(t0.norm() > 1e-6 * warp.norm())) t0 = e1;
-    t0.normalize();
-    const Vec3 t1 = normal.cross(t0);
-    Mat2 Dm;
-    Dm << t0.dot(e1), t0.dot(e2), t1.dot(e1), t1.dot(e2);
-    rest.b.bottomRows<2>() = Dm.inverse();
-    rest.b.row(0) = -rest.b.row(1) - rest.b.row(2);
-    rest.volume = 0.5 * area_normal.norm() * thickness;
-    rest.C = C;
-    return rest;
+    const RestFrame frame = make_rest_frame(X0, X1, X2, warp);
+    return {shape_gradients(frame, X0, X1, X2), frame.area * thickness, C};
 }
 
 Vec3 green_strain(const WovenRest& rest, const Vec9& q9) {

@@ -23,15 +23,15 @@ namespace cloth {
 
 /// Constants of one triangle at rest.
 struct WovenRest {
-    Eigen::Matrix<double, 3, 2> b;  ///< row i: gradient of shape function i; columns: warp, weft [1/m]
-    double volume;                  ///< area times thickness [m³]
-    Mat3 C;                         ///< [Pa]
+    Mat32 b;        ///< row i: gradient of shape function i; columns: warp, weft [1/m]
+    double volume;  ///< area times thickness [m³]
+    Mat3 C;         ///< [Pa]
 };
 
 /// Stiffness of a sheet; `poisson` is the weft's shortening over the warp's stretch, ν² < E_warp/E_weft [Pa].
 Mat3 woven_stiffness(double young_warp, double young_weft, double poisson, double shear);
 
-/// `warp` is laid onto the triangle's plane; where it stands upright on it, the first edge takes its place.
+/// `warp`: see make_rest_frame().
 WovenRest make_woven_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, const Vec3& warp, double thickness,
                           const Mat3& C);
 
