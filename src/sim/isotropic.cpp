@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/symmetric.h"
+
 namespace cloth {
 namespace {
 
@@ -76,18 +78,7 @@ Mat9 element_hessian(const TriangleRest& rest, const Law& law, const Vec9& q9, b
     const Vec9 a = mode(u0, 0), b = mode(u1, 1), e = mode(u1, 0), f = mode(u0, 1);
     Mat2 scaling;
     scaling << d.d00, d.d01, d.d01, d.d11;
-    if (project) {
-        // Positive part of a symmetric 2x2 matrix, in closed form.
-        const double mean = 0.5 * (d.d00 + d.d11), half = 0.5 * (d.d00 - d.d11);
-        const double radius = std::sqrt(half * half + d.d01 * d.d01);
-        const double e0 = std::max(mean + radius, 0.0), e1 = std::max(mean - radius, 0.0);
-        scaling = 0.5 * (e0 + e1) * Mat2::Identity();
-        if (radius > 0.0) {
-            Mat2 deviator;
-            deviator << half, d.d01, d.d01, -half;
-            scaling += 0.5 * (e0 - e1) / radius * deviator;
-        }
-    }
+    if (project) scaling = positive_part(scaling);
     Mat9 H = scaling(0, 0) * a * a.transpose() + scaling(1, 1) * b * b.transpose() +
              scaling(0, 1) * (a * b.transpose() + b * a.transpose());
     const Vec9 twist = e - f, flip = e + f;

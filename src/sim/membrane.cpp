@@ -5,6 +5,7 @@
 
 #include "sim/assignment.h"
 #include "sim/rest_frame.h"
+#include "sim/symmetric.h"
 
 namespace cloth {
 namespace {
@@ -41,22 +42,10 @@ constexpr double smallest_stretch = 1e-9;
 Mat2 normal_stiffness(const TriangleRest& rest, const Kinematics& k, double c, bool project) {
     // S = RᵀG is symmetric; its eigenvalues are the stretches.
     const Mat2 S = k.R.transpose() * k.G;
-    const double mean = 0.5 * (S(0, 0) + S(1, 1));
-    const double half = 0.5 * (S(0, 0) - S(1, 1)), shear = 0.5 * (S(0, 1) + S(1, 0));
-    const double radius = std::sqrt(half * half + shear * shear);
-    auto eigenvalue = [&](double s) {
+    return of_eigenvalues(S, [&](double s) {
         const double value = 2.0 * rest.mu + c / std::max(s, smallest_stretch);
         return project ? std::max(value, 0.0) : value;
-    };
-    const double e0 = eigenvalue(mean + radius), e1 = eigenvalue(mean - radius);
-    // Any function of S: the mean of its two values, and their half difference along S's deviator.
-    Mat2 K = 0.5 * (e0 + e1) * Mat2::Identity();
-    if (radius > 0.0) {
-        Mat2 deviator;
-        deviator << half, shear, shear, -half;
-        K += 0.5 * (e0 - e1) / radius * deviator;
-    }
-    return K;
+    });
 }
 
 }  // namespace

@@ -1,9 +1,7 @@
 #include "sim/woven.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "sim/rest_frame.h"
+#include "sim/symmetric.h"
 
 namespace cloth {
 namespace {
@@ -17,15 +15,6 @@ Mat32 deformation(const WovenRest& rest, const Vec9& q9) {
 Vec3 strain(const Mat32& G) {
     return {0.5 * (G.col(0).squaredNorm() - 1.0), 0.5 * (G.col(1).squaredNorm() - 1.0),
             G.col(0).dot(G.col(1))};
-}
-
-/// Positive part of the symmetric matrix [a c; c b], as (a, b, c).
-Vec3 positive_part(const Vec3& s) {
-    const double mean = 0.5 * (s(0) + s(1)), half = 0.5 * (s(0) - s(1));
-    const double radius = std::sqrt(half * half + s(2) * s(2));
-    const double e0 = std::max(mean + radius, 0.0), e1 = std::max(mean - radius, 0.0);
-    const double scale = radius > 0.0 ? 0.5 * (e0 - e1) / radius : 0.0;
-    return {0.5 * (e0 + e1) + scale * half, 0.5 * (e0 + e1) - scale * half, scale * s(2)};
 }
 
 }  // namespace
@@ -64,10 +53,10 @@ Vec9 woven_gradient(const WovenRest& rest, const Vec3& from, const Vec9& q9) {
 
 Mat9 woven_hessian(const WovenRest& rest, const Vec3& from, const Vec9& q9, bool project) {
     const Mat32 G = deformation(rest, q9);
-    Vec3 s = rest.C * (strain(G) - from);
-    if (project) s = positive_part(s);
+    const Vec3 s = rest.C * (strain(G) - from);
     Mat2 S;
     S << s(0), s(2), s(2), s(1);
+    if (project) S = positive_part(S);
     const Mat3 bSb = rest.b * S * rest.b.transpose();
     std::array<Mat3, 3> B;  // rows: derivatives of e by the corner
     for (int i = 0; i < 3; ++i) {
