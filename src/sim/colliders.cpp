@@ -126,16 +126,7 @@ ContactSystem make_contact_system(const Model& model) {
     }
     s.cloth_vertices = model.vertex_count();
     for (int v = 0; v < s.cloth_vertices; ++v) rest.push_back(model.rest_positions.row(v));
-    s.mass.assign(s.cloth_vertices, 0.0);
-    for (std::size_t c = 0; c < model.cloths.size(); ++c) {
-        const ClothRange& range = model.cloths[c];
-        for (int t = range.first_triangle; t < range.first_triangle + range.triangle_count; ++t) {
-            for (int i = 0; i < 3; ++i) {
-                s.mass[model.triangles(t, i)] +=
-                    scene.cloths[c].fabric.density * model.triangle_areas(t) / 3.0;
-            }
-        }
-    }
+    s.mass.assign(model.vertex_mass.begin(), model.vertex_mass.end());
     for (std::size_t c = 0; c < scene.colliders.size(); ++c) {
         const ColliderDesc& collider = scene.colliders[c];
         const ContactBody body{true, static_cast<int>(c), contact_radius(collider)};

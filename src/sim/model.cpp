@@ -223,9 +223,9 @@ std::vector<SeamSpring> make_seam_springs(const Model& model) {
     return springs;
 }
 
-/// Consistent mass over the pattern, and the row sums (shape n) that gravity acts on.
-VecX assemble_mass(Model& model) {
-    VecX lumped = VecX::Zero(model.vertex_count());
+/// Consistent mass over the pattern, and its row sums.
+void assemble_mass(Model& model) {
+    model.vertex_mass = VecX::Zero(model.vertex_count());
     model.mass.values.assign(model.pattern.slot_count(), 0.0);
     for (std::size_t c = 0; c < model.cloths.size(); ++c) {
         const ClothRange& range = model.cloths[c];
@@ -233,7 +233,7 @@ VecX assemble_mass(Model& model) {
             const double mass = model.scene.cloths[c].fabric.density * model.triangle_areas(t);
             for (int i = 0; i < 3; ++i) {
                 const int a = model.triangles(t, i);
-                lumped(a) += mass / 3.0;
+                model.vertex_mass(a) += mass / 3.0;
                 for (int j = 0; j < 3; ++j) {
                     const int b = model.triangles(t, j);
                     if (a <= b) model.mass.values[model.pattern.slot(a, b)] += mass / (i == j ? 6.0 : 12.0);
@@ -241,7 +241,6 @@ VecX assemble_mass(Model& model) {
             }
         }
     }
-    return lumped;
 }
 
 std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
@@ -376,9 +375,9 @@ Model build_model(const Scene& scene) {
     for (const auto& energy : model.energies) energy->append_pairs(pairs);
     for (const auto& energy : make_stage_energies(model)) energy->append_pairs(pairs);
     model.pattern = BlockPattern(vertices, std::move(pairs));
-    const VecX lumped = assemble_mass(model);
-    model.weight = lumped.norm() * scene.simulation.gravity.norm();
-    model.energies.push_back(std::make_unique<GravityEnergy>(lumped, scene.simulation.gravity));
+    assemble_mass(model);
+    model.weight = model.vertex_mass.norm() * scene.simulation.gravity.norm();
+    model.energies.push_back(std::make_unique<GravityEnergy>(model.vertex_mass, scene.simulation.gravity));
     for (const auto& energy : model.energies) energy->bind(model.pattern);
     return model;
 }

@@ -32,6 +32,7 @@ struct Model {
     std::vector<int> pinned;  ///< at the start; sorted, without repeats
     BlockPattern pattern;     ///< of mass and Hessians
     ScalarBlockMatrix mass;   ///< consistent mass [kg]
+    VecX vertex_mass;         ///< its row sums, shape (n) [kg]
     double weight = 0.0;      ///< |gravity force| over all vertices, for the scale of residuals [N]
     std::vector<std::unique_ptr<Energy>> energies;  ///< the sum that a step minimises
     std::vector<TriangleRest> triangle_rest;        ///< per triangle, for stretches
