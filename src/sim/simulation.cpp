@@ -37,15 +37,13 @@ const State& Simulation::state() const {
 }
 
 void Simulation::restore(const State& state) {
-    const Model& model = impl_->model;
-    if (state.positions.size() != 3 * model.vertex_count() ||
-        state.velocities.size() != state.positions.size() ||
-        state.collider_on.size() != model.scene.colliders.size() ||
-        state.drags.size() != model.scene.drags.size() ||
-        state.rest_folds.size() != start_state(model).rest_folds.size()) {
+    const State& own = impl_->state;  // the model's sizes, which no step changes
+    if (state.positions.size() != own.positions.size() || state.velocities.size() != own.velocities.size() ||
+        state.collider_on.size() != own.collider_on.size() || state.drags.size() != own.drags.size() ||
+        state.rest_folds.size() != own.rest_folds.size()) {
         throw std::invalid_argument("the state does not belong to this scene: it has " +
                                     std::to_string(state.positions.size() / 3) + " vertices, the scene " +
-                                    std::to_string(model.vertex_count()));
+                                    std::to_string(impl_->model.vertex_count()));
     }
     impl_->state = state;
 }
