@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "sim/bending.h"
+
 namespace cloth {
 namespace {
 
@@ -280,10 +282,9 @@ const NamedFabric* find_fabric(const std::string& name) {
 }
 
 double bending_length(const Fabric& f) {
-    const double weft = f.bending_weft.value_or(f.bending), sum = f.bending + weft;
-    // Without a bias of its own: as bending_rigidity() has it.
-    const double bias = f.bending_bias.value_or(0.25 * (sum + 2.0 * std::sqrt(f.bending * weft)));
-    return std::cbrt(0.25 * (sum + 2.0 * bias) / (f.density * 9.81));
+    // D_warp, 2H, D_weft: cos⁴, cos² sin² and sin⁴ of the angle to the warp average to 3/8, 1/8 and 3/8.
+    const Vec3 D = bending_rigidity(f.bending, f.bending_weft.value_or(f.bending), f.bending_bias).diagonal();
+    return std::cbrt(0.125 * (3.0 * D(0) + D(1) + 3.0 * D(2)) / (f.density * 9.81));
 }
 
 }  // namespace cloth
