@@ -65,13 +65,16 @@ Vec3 column_position(const Simulation& simulation, int columns, int rows, int co
     return mean;
 }
 
+void run_frame(Simulation& simulation) {
+    const FrameReport report = simulation.advance_frame();
+    if (!report.converged)
+        throw std::runtime_error("a step did not converge: residual " + std::to_string(report.residual));
+}
+
 int settle(Simulation& simulation, double still, int most) {
     int quiet = 0;
     for (int frame = 1; frame <= most; ++frame) {
-        const FrameReport report = simulation.advance_frame();
-        if (!report.converged) {
-            throw std::runtime_error("a step did not converge: residual " + std::to_string(report.residual));
-        }
+        run_frame(simulation);
         quiet = kinetic_energy(simulation.model(), simulation.state()) < still ? quiet + 1 : 0;
         if (quiet == 3) return frame;
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Strips for the checks, and settling. Internal.
+// Strips for the checks, and running them. Internal.
 
 #include <functional>
 #include <string>
@@ -26,8 +26,10 @@ std::vector<int> column_vertices(int columns, int rows, int first, int last);
 /// Mean position of a column.
 Vec3 column_position(const Simulation& simulation, int columns, int rows, int column);
 
-/// Steps frames until the kinetic energy stays below `still` [J] or `most` frames are done; throws
-/// std::runtime_error where a step does not converge.
+/// Steps a frame; throws std::runtime_error where a step does not converge.
+void run_frame(Simulation& simulation);
+
+/// Runs frames until the kinetic energy stays below `still` [J] or `most` frames are done.
 int settle(Simulation& simulation, double still, int most);
 
 /// Time between zero crossings: the mean period of a signal sampled at steps of `dt`, linear in between; 0
