@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <functional>
 #include <limits>
 #include <set>
 #include <string>
 
+#include "refusal.h"
 #include "sim/fabrics.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
@@ -16,16 +16,6 @@ using namespace cloth;
 using Catch::Contains;
 
 namespace {
-
-std::string refusal(const std::function<void()>& action, std::string* key = nullptr) {
-    try {
-        action();
-    } catch (const SceneError& error) {
-        if (key) *key = error.key;
-        return error.what();
-    }
-    return "accepted";
-}
 
 /// A sheet with every part of a fabric, a moving pin and a seam; the integrator knows strain limits.
 Scene woven_scene() {
@@ -53,12 +43,6 @@ Scene woven_scene() {
     scene.seams.push_back(seam);
     return scene;
 }
-
-struct Spoiled {
-    const char* key;
-    const char* message;
-    std::function<void(Scene&)> spoil;
-};
 
 void check_refusals(const std::vector<Spoiled>& cases) {
     CHECK(refusal([] { validate(woven_scene()); }) == "accepted");

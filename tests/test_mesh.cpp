@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "refusal.h"
 #include "sim/mesh.h"
 #include "sim/model.h"
 #include "sim/portable_math.h"
@@ -21,16 +22,6 @@ MeshData triangle() {
     mesh.triangles.resize(1, 3);
     mesh.triangles << 0, 1, 2;
     return mesh;
-}
-
-std::string refusal(const std::function<void()>& action, std::string* key = nullptr) {
-    try {
-        action();
-    } catch (const SceneError& error) {
-        if (key) *key = error.key;
-        return error.what();
-    }
-    return "accepted";
 }
 
 std::string mesh_refusal(const std::function<void(MeshData&)>& spoil) {
@@ -52,12 +43,6 @@ Scene good_scene() {
     scene.events.push_back({.time = 0.5, .collider = 0});
     return scene;
 }
-
-struct Spoiled {
-    const char* key;
-    const char* message;
-    std::function<void(Scene&)> spoil;
-};
 
 }  // namespace
 
