@@ -16,6 +16,7 @@
 #include "render/colormap.h"
 #include "render/overlay.h"
 #include "render/surface_map.h"
+#include "render/vector_math.h"
 
 namespace cloth::pipeline {
 namespace {
@@ -23,6 +24,7 @@ namespace {
 using render::Float2;
 using render::Float3;
 using render::Ink;
+using render::operator+, render::operator-, render::operator*, render::cross, render::dot, render::length;
 
 /// What the colours of a shaded picture take the place of: neutral, so that nothing of it shows at outlines.
 SceneFile prepared(SceneFile file, const RunFacts& facts) {
@@ -37,10 +39,6 @@ SceneFile prepared(SceneFile file, const RunFacts& facts) {
         aim(file.view, file.camera, 0.0);
     }
     return file;
-}
-
-float dot(const Float3& a, const Float3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 Float3 interpolated(std::span<const float> list, std::span<const std::uint32_t> triangles, int triangle,
@@ -177,10 +175,10 @@ void PictureMaker::paint(render::Image& image, const render::Frame& frame, const
                                     interpolated(surface.normals, surface.triangles, s.triangle, s.shares);
                                 const Float3 point =
                                     interpolated(surface.positions, surface.triangles, s.triangle, s.shares);
-                                const Float3 to_eye{camera.eye()[0] - point[0], camera.eye()[1] - point[1],
-                                                    camera.eye()[2] - point[2]};
-                                const float length = std::sqrt(dot(normal, normal) * dot(to_eye, to_eye));
-                                const float facing = length > 0 ? std::abs(dot(normal, to_eye)) / length : 1;
+                                const Float3 to_eye = camera.eye() - point;
+                                const float lengths = std::sqrt(dot(normal, normal) * dot(to_eye, to_eye));
+                                const float facing =
+                                    lengths > 0 ? std::abs(dot(normal, to_eye)) / lengths : 1;
                                 for (int k = 0; k < 3; ++k)
                                     color[k] = static_cast<float>(hue[k]) * (0.55f + 0.45f * facing);
                             }
@@ -234,23 +232,19 @@ void PictureMaker::draw_ids(render::Image& image, const State& state, const rend
     // The lens: a camera at the same eye that looks at the place.
     const int side = std::max(16, static_cast<int>(0.44f * std::min(width, height)));
     const float half_height = std::tan(0.5f * view.field_of_view * std::numbers::pi_v<float> / 180);
-    const auto cross = [](const Float3& a, const Float3& b) {
-        return Float3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    };
+    // normalized() multiplies by the inverse, which has other last bits.
     const auto unit = [](const Float3& a) {
-        const float length = std::sqrt(dot(a, a));
-        return Float3{a[0] / length, a[1] / length, a[2] / length};
+        const float norm = length(a);
+        return Float3{a[0] / norm, a[1] / norm, a[2] / norm};
     };
-    const Float3 sight{view.target[0] - view.eye[0], view.target[1] - view.eye[1],
-                       view.target[2] - view.eye[2]};
-    const float distance = std::sqrt(dot(sight, sight));
+    const Float3 sight = view.target - view.eye;
+    const float distance = length(sight);
     const Float3 forward = unit(sight), aside = unit(cross(forward, view.up)), up = cross(aside, forward);
     const float rx = (2 * center[0] - width) / height * half_height,
                 ry = (1 - 2 * center[1] / height) * half_height;
     render::View lens = view;
     lens.width = lens.height = side;
-    for (int i = 0; i < 3; ++i)
-        lens.target[i] = view.eye[i] + distance * (forward[i] + rx * aside[i] + ry * up[i]);
+    lens.target = view.eye + distance * (forward + rx * aside + ry * up);
     const float slope = 2 * radius / height * half_height / std::sqrt(1 + rx * rx + ry * ry);
     lens.field_of_view = std::clamp(2 * std::atan(slope) * 180 / std::numbers::pi_v<float>, 1.0f, 160.0f);
     render::Image page = draw_scene(state, lens, /*with_edges=*/true);
