@@ -170,7 +170,6 @@ Scene barrier_scene(int resolution) {
     Scene scene;
     scene.simulation.integrator = IntegratorKind::implicit_euler;
     scene.simulation.contact = ContactKind::barrier;
-    scene.simulation.newton_tolerance = 1e-3;
     scene.simulation.sliding_speed = 1e-3;
     ClothDesc cloth;
     cloth.grid.size = {0.4, 0.4};
@@ -235,6 +234,7 @@ TEST_CASE("two sheets that meet in free flight keep their momentum and do not cr
     Scene scene = barrier_scene(7);
     scene.simulation.gravity.setZero();
     scene.simulation.newton_tolerance = 1e-9;
+    scene.simulation.newton_speed = 0.0;
     scene.cloths.push_back(scene.cloths[0]);
     scene.cloths[1].name = "other";
     scene.cloths[0].velocity = {0.1, 0.2, 3.0};
@@ -260,14 +260,39 @@ TEST_CASE("two sheets that meet in free flight keep their momentum and do not cr
     CHECK((momentum() - before).norm() < 1e-6 * before.norm());
 }
 
+TEST_CASE("an impact changes the mean velocity as a full solve does", "[contact]") {
+    // A stiff contact lets Newton's steps be small before the impact has been dealt out.
+    Scene scene = barrier_scene(12);
+    scene.cloths[0].transform.rotate = {90, 15, 3};
+    scene.cloths[0].transform.translate = {0.0, 0.03, 0.0};
+    scene.cloths[0].velocity = {0.3, -4.0, 0.0};
+    ColliderDesc ball;
+    ball.radius = 0.1;
+    ball.center = {0.0, -0.08, 0.0};
+    scene.colliders.push_back(ball);
+    Scene full = scene;
+    full.simulation.newton_speed = 0.0;
+    full.simulation.newton_tolerance = 1e-8;
+    Simulation simulation(scene), reference(full);
+    auto mean_velocity = [](const Simulation& s) {
+        return Vec3(s.state().velocities.reshaped(3, 144).rowwise().mean());
+    };
+    for (int frame = 0; frame < 6; ++frame) {
+        CAPTURE(frame);
+        REQUIRE(simulation.advance_frame().converged);
+        REQUIRE(reference.advance_frame().converged);
+        CHECK((mean_velocity(simulation) - mean_velocity(reference)).norm() < 0.01);
+        simulation.restore(reference.state());
+    }
+}
+
 TEST_CASE("on an incline a sheet sticks below the angle of friction and slides beyond it as a block",
           "[contact]") {
     // tan(20 degrees) = 0.36397; both coefficients equal, so that their geometric mean is mu.
     const double tangent = tan_degrees(20.0), g = 9.81;
     for (double ratio : {1.01, 0.99}) {
         Scene scene = barrier_scene(4);
-        scene.simulation.sliding_speed = 1e-5;
-        scene.simulation.newton_tolerance = 1e-7;
+        scene.simulation.sliding_speed.reset();  // as in a scene that sets nothing
         // Gravity is turned instead of the plane.
         scene.simulation.gravity = {g * sin_degrees(20.0), -g * cos_degrees(20.0), 0.0};
         scene.cloths[0].transform.rotate = {90, 0, 0};
@@ -283,10 +308,11 @@ TEST_CASE("on an incline a sheet sticks below the angle of friction and slides b
         // It has got some speed from landing while its friction was still growing.
         for (int frame = 0; frame < 60; ++frame) REQUIRE(simulation.advance_frame().converged);
         const double x0 = where(), v0 = speed();
-        for (int frame = 0; frame < 60; ++frame) REQUIRE(simulation.advance_frame().converged);
         if (ratio > 1.0) {
-            CHECK(where() - x0 < 1e-5);  // a second; 0.1 mm in ten
+            for (int frame = 0; frame < 600; ++frame) REQUIRE(simulation.advance_frame().converged);
+            CHECK(where() - x0 < 1e-4);
         } else {
+            for (int frame = 0; frame < 60; ++frame) REQUIRE(simulation.advance_frame().converged);
             CHECK(speed() - v0 == Approx(0.01 * g * sin_degrees(20.0)).epsilon(0.01));
         }
     }
@@ -380,8 +406,8 @@ Scene random_scene(std::uint32_t seed) {
     auto direction = [&] { return Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)); };
 
     Scene scene = barrier_scene(6);
-    scene.simulation.newton_iterations = 40;
-    scene.simulation.retries = 3;
+    scene.simulation.newton_iterations = 60;
+    scene.simulation.retries = 5;
     scene.simulation.contact_activation = one_of(2) ? 1e-3 : 3e-3;
     const ClothDesc pattern = scene.cloths[0];
     scene.cloths.clear();
@@ -466,7 +492,7 @@ TEST_CASE("in a hundred random scenes nothing crosses and the work stays bounded
         if (!converged) WARN("seed " << seed << " stopped before its end: not converged");
     }
     CHECK(touched >= 90);
-    CHECK(finished >= 85);  // those that stop do so before anything crosses, and say so
+    CHECK(finished >= 97);  // those that stop do so before anything crosses, and say so
 }
 
 namespace {

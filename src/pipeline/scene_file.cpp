@@ -1058,8 +1058,8 @@ struct Document {
             field("newton_tolerance", "", "residual at which a solve stops, against the step's start",
                   s.newton_tolerance),
             field("newton_speed", "m/s",
-                  "of contact = \"barrier\": a solve stops as well where no vertex moves faster in its last "
-                  "step",
+                  "of contact = \"barrier\": a solve stops as well where its last step moves no vertex faster, "
+                  "and the forces left no cloth's mean by a hundredth of it; 0: by newton_tolerance alone",
                   s.newton_speed),
             field("retries", "", "times that a step which does not converge is halved", s.retries)};
     }

@@ -543,11 +543,12 @@ void BarrierContact::add_gradient(const VecX& x, VecX& g) const {
 
 void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
     ExtraBlocks extra;
-    add_hessian(x, kind, H, extra);
+    add_hessian(x, kind, kind, H, extra);
     if (!extra.where.empty()) throw std::logic_error("contact couples vertices that the pattern does not");
 }
 
-void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H, ExtraBlocks& extra) const {
+void BarrierContact::add_hessian(const VecX& x, HessianKind kind, HessianKind slides, BlockMatrix& H,
+                                 ExtraBlocks& extra) const {
     const int n = system_.cloth_vertices;
     auto moves = [&](int v) { return v >= 0 && v < n; };
     // Blocks of a pair's upper triangle, row by row, and where they go.
@@ -585,6 +586,7 @@ void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H
         }
         slots[k] = slots_of(c.points, c.edges ? 2 : 1);
     });
+    const double slide_curvature = slides == HessianKind::exact ? 1.0 : 0.8;
     std::vector<Mat3> friction_hessians(friction_count);  // by the way u of the two sides against each other
     parallel_for(friction_count, [&](int k) {
         const Friction& f = friction_[k];
@@ -595,7 +597,7 @@ void BarrierContact::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H
         u -= f.normal * f.normal.dot(u);
         const Slide s = slide(u.norm(), sliding_way_);
         friction_hessians[k] = f.force * (s.slope * (Mat3::Identity() - f.normal * f.normal.transpose()) +
-                                          s.curvature * u * u.transpose());
+                                          slide_curvature * s.curvature * u * u.transpose());
         slots[contact_count + k] = slots_of(f.points, f.split);
     });
     auto points_of = [&](int k) -> const std::array<int, 4>& {

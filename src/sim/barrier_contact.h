@@ -109,8 +109,11 @@ class BarrierContact final : public Energy {
     void add_gradient(const VecX& x, VecX& g) const override;
     void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const override;
     /// The same with what the pattern cannot take of the blocks that couple two sides in `extra`, which is
-    /// overwritten; what H gets of the projected Hessian is positive semi-definite by itself.
-    void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H, ExtraBlocks& extra) const;
+    /// overwritten; what H gets of the projected Hessian is positive semi-definite by itself. `slides`: that
+    /// of friction, which is nowhere indefinite. Projected, it keeps a fifth of the secant's stiffness along
+    /// the slide: with none, as the exact one has it, long Newton steps turn slides around, and again.
+    void add_hessian(const VecX& x, HessianKind kind, HessianKind slides, BlockMatrix& H,
+                     ExtraBlocks& extra) const;
     void append_pairs(std::vector<std::array<int, 2>>& pairs) const override;
     void bind(const BlockPattern& pattern) override { pattern_ = &pattern; }
     double largest_share(const VecX& x, const VecX& d) const;

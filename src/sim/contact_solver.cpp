@@ -56,7 +56,7 @@ class Minimization {
             ++report_.newton_iterations;
             converged = w_.direction.cwiseAbs().maxCoeff() < 1e-14 * extent;
             if (converged) break;
-            const bool last = w_.direction.cwiseAbs().maxCoeff() < options.newton_speed * p_.h;
+            slow_ = w_.direction.cwiseAbs().maxCoeff() < options.newton_speed * p_.h;
             const double slope = -w_.rhs.dot(w_.direction) / h2_;
             const double rounding = 1e-13 * (std::abs(value) + p_.model.weight * extent);
             w_.start = x;
@@ -67,7 +67,8 @@ class Minimization {
                 break;
             }
             norm = gradient(x);
-            converged = norm <= options.newton_tolerance * scale || last;
+            converged = norm <= options.newton_tolerance * scale ||
+                        (slow_ && net_speed() < balance * options.newton_speed);
         }
         norm = gradient(x);
         report_.residual = scale > 0.0 ? norm / scale : 0.0;
@@ -100,11 +101,23 @@ class Minimization {
         return w_.rhs.norm() / h2_;
     }
 
-    void assemble(const VecX& x, HessianKind kind) {
+    /// Greatest of the cloths: change of its mean velocity by the force that is left in rhs [m/s].
+    double net_speed() const {
+        double greatest = 0.0;
+        for (const ClothRange& cloth : p_.model.cloths) {
+            const int first = cloth.first_vertex, count = cloth.vertex_count;
+            const Vec3 sum = w_.rhs.segment(3 * first, 3 * count).reshaped(3, count).rowwise().sum();
+            const double mass = p_.model.vertex_mass.segment(first, count).sum();
+            greatest = std::max(greatest, sum.norm() / (mass * p_.h));
+        }
+        return greatest;
+    }
+
+    void assemble(const VecX& x, HessianKind kind, HessianKind slides = HessianKind::projected) {
         const Stopwatch watch(times_.assembly);
         w_.system.reset(p_.model.pattern);
         p_.potential.hessian(x, kind, w_.system);
-        p_.contact.add_hessian(x, HessianKind::projected, w_.system, w_.extra);
+        p_.contact.add_hessian(x, HessianKind::projected, slides, w_.system, w_.extra);
         for (std::size_t s = 0; s < w_.system.blocks.size(); ++s) {
             w_.system.blocks[s] *= h2_;
             w_.system.blocks[s].diagonal().array() += p_.model.mass.values[s];
@@ -178,14 +191,15 @@ class Minimization {
     /// as is positive definite.
     bool direction(const VecX& x, double norm, double scale) {
         const bool near = norm < 1e-2 * scale;
+        const HessianKind slides = near || slow_ ? HessianKind::exact : HessianKind::projected;
         const double tolerance = std::clamp(0.03 * norm / scale, 1e-4, 0.03);
         for (double exact : {1.0, 0.9, 0.6, 0.0}) {
             if (exact > 0.0 && !near) continue;
             if (exact == 1.0) {
-                assemble(x, HessianKind::exact);
+                assemble(x, HessianKind::exact, slides);
                 w_.exact = w_.system;
             } else if (exact == 0.9 || !near) {
-                assemble(x, HessianKind::projected);
+                assemble(x, HessianKind::projected, slides);
                 if (near) w_.projected = w_.system;
             }
             if (near && exact < 1.0) {
@@ -277,7 +291,8 @@ class Minimization {
         return p_.contact.largest_share_placing(x, d);
     }
 
-    static constexpr int most_stale = 5;  // more cost as much as a factorization
+    static constexpr double balance = 0.01;  // net speed left, against newton_speed
+    static constexpr int most_stale = 5;     // more cost as much as a factorization
     static constexpr int most_fresh = 200;
 
     const ContactProblem& p_;
@@ -289,6 +304,7 @@ class Minimization {
     SparseSolver* factor_ = nullptr;
     bool half_ = true;  ///< half precision has served so far
     bool have_factor_ = false;
+    bool slow_ = false;  ///< the last step was slower than newton_speed
     double rz_at_zero_ = 0.0;
 };
 

@@ -51,7 +51,9 @@ struct ContactSolveReport {
 ///    Armijo's rule. The linear system is solved by conjugate gradients on the whole matrix, preconditioned
 ///    by a Cholesky factor of its part within the fixed pattern (all but the blocks that couple the two sides
 ///    of a contact), in half precision where that serves; a factor is kept within the stage while it serves.
-///    It ends at the residual asked for, or after a step slower than the scene's newton_speed.
+///    It ends at the residual asked for, or after a step slower than the scene's newton_speed once no cloth
+///    as a whole is left with a force that matters: inner forces cancel in it, so what is left is missing
+///    impact, weight or friction, which a stiff contact would hide from the size of the step.
 ContactSolveReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
                                          ContactWorkspace& w);
 

@@ -251,11 +251,12 @@ struct SimulationDesc {
     /// Friction is in full force above this speed [m/s]; default: 1e-3 for `penalty`, 1e-5 for `barrier`.
     std::optional<double> sliding_speed;
     double contact_activation = 1e-3;  ///< of `barrier`: gap at which repulsion begins [m]
-    int newton_iterations = 50;        ///< most Newton iterations of one solve
+    int newton_iterations = 100;       ///< most Newton iterations of one solve
     double newton_tolerance = 1e-6;    ///< residual |g| / |g at the step's start| at which Newton stops
     /// Of `barrier`: Newton stops as well after a step in which no vertex goes farther than this speed's way
-    /// in a time step [m/s]; 0: by the residual alone.
-    double newton_speed = 0.0;
+    /// in a time step, where the force left on each cloth as a whole would change its mean velocity by less
+    /// than a hundredth of it [m/s]; 0: by the residual alone.
+    double newton_speed = 0.03;
     int retries = 6;  ///< times that a step which does not converge is halved before the run stops
     AirDesc air;
 
