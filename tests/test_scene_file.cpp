@@ -680,6 +680,33 @@ TEST_CASE("a cloth hangs with a rolled rim that keeps to its outline", "[frame_b
     CHECK(FrameBuilder(plain, plain_model).build(start_state(plain_model)).surfaces.size() == 1);
 }
 
+TEST_CASE("a level plane is drawn as the ground, another one as a surface", "[frame_builder]") {
+    const auto frame_of = [](const std::string& plane, const std::string& rest = "") {
+        const SceneFile f =
+            parse(sheet("hem = 0.0\n") + "[[collider]]\nshape = \"plane\"\ncolor = [1, 0, 0]\n" +
+                  "center = [0, -0.75, 0]\n" + plane + rest +
+                  "[simulation]\nintegrator = \"implicit_euler\"\ncontact = \"barrier\"\n");
+        const Model model = build_model(f.scene);
+        return FrameBuilder(f, model).build(start_state(model));
+    };
+    for (const std::string level : {"", "spin = [0, 90, 0]\n", "normal = [0, 3, 0]\n"}) {
+        CAPTURE(level);
+        const render::Frame frame = frame_of(level);
+        CHECK(frame.surfaces.size() == 1);
+        CHECK(frame.ground == render::Ground{-0.75f, {1, 0, 0}});
+    }
+    for (const std::string other : {"normal = [0.1, 1, 0]\n", "spin = [90, 0, 0]\n", "normal = [0, -1, 0]\n",
+                                    "path = [{ time = 0 }, { time = 1, translate = [0, 1, 0] }]\n"}) {
+        CAPTURE(other);
+        const render::Frame frame = frame_of(other);
+        CHECK(frame.surfaces.size() == 2);
+        CHECK_FALSE(frame.ground.has_value());
+    }
+    CHECK(frame_of("", "[ground]\nheight = -2.0\n").surfaces.size() ==
+          2);  // it has the ground that it asks for
+    CHECK_FALSE(frame_of("enabled = false\n").ground.has_value());
+}
+
 TEST_CASE("the assignment's scenes hold the assignment's numbers", "[scene_file]") {
     for (const std::string name : {"seed_sheet", "seed_kick", "seed_drag"}) {
         INFO(name);

@@ -61,6 +61,12 @@ constexpr std::array<RimPoint, 5> rim_profile{{{-3.0, 0.0, 0.0, 1.0},
                                                {0.71, 0.71, 0.71, 0.71},
                                                {1.0, 0.0, 1.0, 0.0}}};
 
+/// A plane that stands still and level, or turns in itself: drawn as the ground, it has no edge.
+bool is_level_floor(const ColliderDesc& collider) {
+    return collider.shape == Shape::plane && collider.path.empty() &&
+           collider.normal.normalized().y() == 1.0 && collider.spin.x() == 0.0 && collider.spin.z() == 0.0;
+}
+
 }  // namespace
 
 FrameBuilder::Rim FrameBuilder::make_rim(const Subdivision& fine, const Mesh& cloth) const {
@@ -278,13 +284,16 @@ render::Frame FrameBuilder::build(const State& state) {
     for (std::size_t c = 0; c < colliders_.size(); ++c) {
         const ColliderDesc& collider = model_.scene.colliders[c];
         if (!collider.drawn || state.collider_on[c] == 0) continue;
+        const render::Material& material = file_.collider_looks.at(c).material;
+        if (!frame.ground && is_level_floor(collider)) {
+            frame.ground = render::Ground{static_cast<float>(collider.center.y()), material.front};
+            continue;
+        }
         const Mesh& mesh = colliders_[c];
-        frame.surfaces.push_back(
-            {mesh.positions, mesh.normals, mesh.triangles, file_.collider_looks.at(c).material, false});
+        frame.surfaces.push_back({mesh.positions, mesh.normals, mesh.triangles, material, false});
         if (collider.shape != Shape::plane) continue;
         frame.surfaces.back().casts_shadow = false;  // its metres would take all of the shadow map
-        if (collider.normal.normalized().y() > 0.5)
-            frame.floor_color = file_.collider_looks.at(c).material.front;
+        if (collider.normal.normalized().y() > 0.5) frame.floor_color = material.front;
     }
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
         const Look& look = file_.cloth_looks.at(c);

@@ -1940,7 +1940,7 @@ std::string key_reference() {
     table("[[event]]", event.fields());
     table("[camera]", d.camera.fields());
     table("[[light]]", d.light.fields());
-    table("[ground]  (no table: no floor)", ground.fields());
+    table("[ground]  (no table: the first level plane that stands still is drawn so, or no floor)", ground.fields());
     table("[background]", d.background.fields());
     table("[output]", d.output_fields());
     table("[expect]", d.expect_fields());
