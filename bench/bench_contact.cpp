@@ -27,8 +27,8 @@ using namespace cloth;
 
 struct Options {
     std::string scene = "drape", write, compare;
-    int vertices = 100, frames = 30, frame_rate = 60, substeps = 1, iterations = 200, threads = 0;
-    double tolerance = 1e-2, newton_speed = 0.0, sliding_speed = 1e-3;
+    int vertices = 100, frames = 30, frame_rate = 60, substeps = 1, iterations = 100, threads = 0;
+    double tolerance = 1e-6, newton_speed = 0.03, sliding_speed = 1e-3;
     bool quiet = false, single = false;
 };
 

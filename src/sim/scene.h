@@ -257,7 +257,7 @@ struct SimulationDesc {
     /// in a time step, where the force left on each cloth as a whole would change its mean velocity by less
     /// than a hundredth of it [m/s]; 0: by the residual alone.
     double newton_speed = 0.03;
-    int retries = 6;  ///< times that a step which does not converge is halved before the run stops
+    int retries = 8;  ///< times that a step which does not converge is halved before the run stops
     AirDesc air;
 
     /// Steps per frame that the fields above amount to.
