@@ -546,6 +546,36 @@ TEST_CASE("pictures are drawn again from kept states, without the scene and mesh
     }
 }
 
+TEST_CASE("a run keeps the meshes of colliders and the textures that its scene names", "[cli]") {
+    const Workplace place;
+    spit(place / "sheet.toml", R"(version = 1
+
+[simulation]
+integrator = "implicit_euler"
+contact = "barrier"
+
+[[cloth]]
+texture = "print.png"
+
+[[collider]]
+shape = "mesh"
+mesh = "roof.obj"
+center = [0, -2, 0]
+
+[output]
+size = [64, 48]
+)");
+    spit(place / "roof.obj", "v -1 0 -1\nv 1 0 -1\nv 0 0.3 1\nf 1 2 3\n");
+    render::write_png({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, place / "print.png");
+    REQUIRE(place.run(base + "--frames 2 --no-video").code == 0);
+    const std::string picture = slurp(place / "o/frames/frame_000001.png");
+    for (const char* original : {"sheet.toml", "roof.obj", "print.png"}) fs::remove(place / original);
+    fs::rename(place / "o", place / "moved");
+    fs::remove_all(place / "moved/frames");
+    CHECK(place.run("render --out moved --quiet --no-video").code == 0);
+    CHECK(slurp(place / "moved/frames/frame_000001.png") == picture);
+}
+
 TEST_CASE("a contact sheet holds pictures of a run or of a scene", "[cli]") {
     const Workplace place;
     REQUIRE(place.run("simulate " + base + "--frames 9").code == 0);

@@ -205,12 +205,19 @@ TEST_CASE("clearing a run's folder removes the run and nothing else", "[state_st
     spit(run.movie("drape"), "a movie");
     fs::create_directory(run.meshes());
     spit(run.meshes() / "rest_000000.obj", "v 0 0 0");
+    spit(run.meshes() / "collider_000002.obj", "v 0 0 0");
+    fs::create_directory(run.textures());
+    spit(run.textures() / "cloth_000000.png", "a print");
     spit(run.image(3).string() + ".part", "what a killed run left");
     CHECK(run.kept_states() == std::vector<std::int64_t>{0, 12});
     CHECK(run.kept_images() == std::vector<std::int64_t>{12});
-    const std::vector<std::string> foreign = {
-        "notes.txt",      "other.mp4", "frames/photo.png", "frames/frame_1.png", "states/state_abcdef.bin",
-        "meshes/mine.obj"};
+    const std::vector<std::string> foreign = {"notes.txt",
+                                              "other.mp4",
+                                              "frames/photo.png",
+                                              "frames/frame_1.png",
+                                              "states/state_abcdef.bin",
+                                              "meshes/mine.obj",
+                                              "textures/print.png"};
     for (const std::string& name : foreign) spit(folder / name, "mine");
     run.clear();
     std::vector<std::string> left;

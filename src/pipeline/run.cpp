@@ -226,8 +226,8 @@ class Stages {
 
 // ---------------------------------------------------------------- a run's scene
 
-/// The resolved scene with the meshes that it names beside it: the folder can be moved, and the originals may
-/// go.
+/// The resolved scene with the meshes and textures that it names beside it: the folder can be moved, and the
+/// originals may go.
 void keep_scene(const RunFolder& folder, const SceneFile& file) {
     std::string text = file.resolved;
     struct Edit {
@@ -245,21 +245,36 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
         return at;
     };
     const toml::table root = toml::parse(text);
+    const auto replace = [&](const toml::node& entry, const char* key, const std::string& name) {
+        const toml::node* node = entry.as_table()->get(key);
+        if (node != nullptr && node->is_string())
+            edits.push_back({offset(node->source().begin), offset(node->source().end), '"' + name + '"'});
+    };
+    const auto keep_mesh = [&](const toml::node& entry, const char* key, const char* stem, std::size_t number,
+                               const MeshData& mesh) {
+        const std::string name = fmt::format("meshes/{}_{:06d}.obj", stem, number);
+        fs::create_directories(folder.meshes());
+        write_mesh(mesh, MeshFormat::obj, folder.root() / name);
+        replace(entry, key, name);
+    };
     const auto* cloths = root["cloth"].as_array();
     for (std::size_t c = 0; cloths != nullptr && c < cloths->size(); ++c) {
-        const auto* cloth = cloths->get(c)->as_table();
         const ClothDesc& desc = file.scene.cloths.at(c);
-        const auto keep = [&](const char* key, const char* stem, const MeshData& mesh) {
-            const toml::node* node = cloth->get(key);
-            if (node == nullptr || !node->is_string()) return;
-            const std::string name = fmt::format("meshes/{}_{:06d}.obj", stem, c);
-            fs::create_directories(folder.meshes());
-            write_mesh(mesh, MeshFormat::obj, folder.root() / name);
-            edits.push_back({offset(node->source().begin), offset(node->source().end), '"' + name + '"'});
-        };
-        if (cloth == nullptr) continue;
-        if (desc.mesh) keep("mesh", "rest", *desc.mesh);
-        if (desc.pose) keep("pose", "pose", {*desc.pose, desc.mesh ? desc.mesh->triangles : Triangles()});
+        const toml::node& entry = *cloths->get(c);
+        if (desc.mesh) keep_mesh(entry, "mesh", "rest", c, *desc.mesh);
+        if (desc.pose)
+            keep_mesh(entry, "pose", "pose", c, {*desc.pose, desc.mesh ? desc.mesh->triangles : Triangles()});
+        if (const auto& image = file.cloth_looks.at(c).material.image) {
+            const std::string name = fmt::format("textures/cloth_{:06d}.png", c);
+            fs::create_directories(folder.textures());
+            render::write_png(*image, folder.root() / name);
+            replace(entry, "texture", name);
+        }
+    }
+    const auto* colliders = root["collider"].as_array();
+    for (std::size_t c = 0; colliders != nullptr && c < colliders->size(); ++c) {
+        const ColliderDesc& desc = file.scene.colliders.at(c);
+        if (desc.mesh) keep_mesh(*colliders->get(c), "mesh", "collider", c, *desc.mesh);
     }
     std::sort(edits.begin(), edits.end(), [](const Edit& a, const Edit& b) { return a.begin > b.begin; });
     for (const Edit& edit : edits) text.replace(edit.begin, edit.end - edit.begin, edit.text);

@@ -391,9 +391,11 @@ void RunFolder::clear() const {
         ours.push_back(state(frame).string() + ".part");
     for (const std::int64_t frame : frames_in(root_ / "frames", "frame", ".png.part"))
         ours.push_back(image(frame).string() + ".part");
-    for (const char* stem : {"rest", "pose"})
-        for (const std::int64_t cloth : frames_in(meshes(), stem, ".obj"))
-            ours.push_back(meshes() / numbered(stem, cloth, ".obj"));
+    for (const char* stem : {"rest", "pose", "collider"})
+        for (const std::int64_t number : frames_in(meshes(), stem, ".obj"))
+            ours.push_back(meshes() / numbered(stem, number, ".obj"));
+    for (const std::int64_t cloth : frames_in(textures(), "cloth", ".png"))
+        ours.push_back(textures() / numbered("cloth", cloth, ".png"));
     ours.push_back(root_ / "states" / "manifest.json");  // last: an interrupted clear can be repeated
     for (const fs::path& file : ours) {
         fs::remove(file, failure);
@@ -401,6 +403,7 @@ void RunFolder::clear() const {
             throw Error(ExitCode::other, "cannot remove " + file.string() + ": " + failure.message());
     }
     fs::remove(meshes(), failure);  // fails, rightly, where something else lies in it
+    fs::remove(textures(), failure);
 }
 
 }  // namespace cloth::pipeline

@@ -59,6 +59,7 @@ class RunFolder {
     std::filesystem::path root() const { return root_; }
     std::filesystem::path scene() const { return root_ / "scene.toml"; }
     std::filesystem::path meshes() const { return root_ / "meshes"; }
+    std::filesystem::path textures() const { return root_ / "textures"; }
     std::filesystem::path report() const { return root_ / "report.json"; }
     std::filesystem::path topology() const { return root_ / "states" / "topology.bin"; }
     std::filesystem::path sheet() const { return root_ / "sheet.png"; }  ///< contact sheet
