@@ -9,7 +9,10 @@
 // buckle one way or the other grow apart.
 //
 // A sheet of 1 m drapes over a sphere ("drape") or falls edge-on onto a floor ("pile"): E h = 500 N/m,
-// D = 1e-5 N m, 0.15 kg/m², friction 0.3, implicit Euler, self-contact on.
+// D = 1e-5 N m, 0.15 kg/m², friction 0.3, implicit Euler, self-contact on. Any other scene is one of the
+// program's, which keeps its own settings but for --vertices:
+//
+//   bench_contact --scene drape_sphere --vertices 100 --frames 300
 
 #include <chrono>
 #include <cmath>
@@ -19,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/scene_file.h"
 #include "sim/simulation.h"
 
 namespace {
@@ -33,6 +37,9 @@ struct Options {
 };
 
 Scene make_scene(const Options& o) {
+    if (o.scene != "drape" && o.scene != "pile") {
+        return pipeline::load_scene(o.scene, {"cloth.resolution=" + std::to_string(o.vertices)}).scene;
+    }
     Scene scene;
     scene.simulation.frame_rate = o.frame_rate;
     scene.simulation.substeps = o.substeps;
