@@ -49,7 +49,6 @@ class Minimization {
         }
         double norm = gradient(x);
         const double extent = x.cwiseAbs().maxCoeff();
-        have_factor_ = false;
         bool converged = norm <= options.newton_tolerance * scale;
         for (int k = 0; !converged && k < options.newton_iterations; ++k) {
             if (!direction(x, norm, scale)) break;
@@ -130,13 +129,11 @@ class Minimization {
         const Stopwatch watch(times_.factorization);
         ++report_.factorizations;
         factor_ = half_ ? &*w_.half : &solver_;
-        have_factor_ = factor_->factorize(w_.system);
-        if (!have_factor_ && half_ && semidefinite) {
-            half_ = false;
-            factor_ = &solver_;
-            have_factor_ = factor_->factorize(w_.system);
-        }
-        return have_factor_;
+        if (factor_->factorize(w_.system)) return true;
+        if (!half_ || !semidefinite) return false;
+        half_ = false;
+        factor_ = &solver_;
+        return factor_->factorize(w_.system);
     }
 
     double largest_share(const VecX& x, const VecX& d) const {
@@ -208,18 +205,12 @@ class Minimization {
                 }
             }
             w_.direction.setZero(x.size());
-            if (have_factor_) {
-                const Cg cg = conjugate_gradients(tolerance, most_stale);
-                if (cg == Cg::converged && w_.rhs.dot(w_.direction) > 0.0) return true;
-                if (cg == Cg::indefinite && exact > 0.0) continue;
-                if (cg == Cg::indefinite) w_.direction.setZero();
-            }
             if (!factorize(exact == 0.0)) continue;
-            Cg cg = conjugate_gradients(tolerance, most_fresh);
+            Cg cg = conjugate_gradients(tolerance, most_cg);
             if (cg == Cg::slow && half_) {
                 half_ = false;
                 if (!factorize(exact == 0.0)) continue;
-                cg = conjugate_gradients(tolerance, most_fresh);
+                cg = conjugate_gradients(tolerance, most_cg);
             }
             if (cg == Cg::indefinite) continue;
             if (w_.rhs.dot(w_.direction) > 0.0) return true;
@@ -266,7 +257,7 @@ class Minimization {
             zero_pinned(p_.pins, w_.rhs);
             if (!factorize(true)) return false;
             w_.direction.setZero(x.size());
-            if (conjugate_gradients(1e-2, most_fresh) == Cg::indefinite) return false;
+            if (conjugate_gradients(1e-2, most_cg) == Cg::indefinite) return false;
             VecX way = w_.direction;
             set_pinned_way(p_.pins, x, way);
             double share = share_placing(x, way);
@@ -292,8 +283,7 @@ class Minimization {
     }
 
     static constexpr double balance = 0.01;  // net speed left, against newton_speed
-    static constexpr int most_stale = 5;     // more cost as much as a factorization
-    static constexpr int most_fresh = 200;
+    static constexpr int most_cg = 200;
 
     const ContactProblem& p_;
     SparseSolver& solver_;
@@ -302,8 +292,7 @@ class Minimization {
     ContactTimes& times_;
     double h2_;
     SparseSolver* factor_ = nullptr;
-    bool half_ = true;  ///< half precision has served so far
-    bool have_factor_ = false;
+    bool half_ = true;   ///< half precision has served so far
     bool slow_ = false;  ///< the last step was slower than newton_speed
     double rz_at_zero_ = 0.0;
 };
