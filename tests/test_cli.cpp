@@ -546,7 +546,9 @@ TEST_CASE("pictures are drawn again from kept states, without the scene and mesh
     }
 }
 
-TEST_CASE("a run keeps the meshes of colliders and the textures that its scene names", "[cli]") {
+TEST_CASE(
+    "a run keeps the meshes of colliders and the textures of its scene, and tells where contact's time goes",
+    "[cli]") {
     const Workplace place;
     spit(place / "sheet.toml", R"(version = 1
 
@@ -568,6 +570,12 @@ size = [64, 48]
     spit(place / "roof.obj", "v -1 0 -1\nv 1 0 -1\nv 0 0.3 1\nf 1 2 3\n");
     render::write_png({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, place / "print.png");
     REQUIRE(place.run(base + "--frames 2 --no-video").code == 0);
+    const nlohmann::json report = report_of(place, "o");
+    double sum = 0;
+    for (const char* part : {"detection", "assembly", "factorization", "conjugate_gradients", "line_search"})
+        sum += report["contact_times_s"].at(part).get<double>();
+    CHECK(sum > 0);
+    CHECK(sum <= report["times_s"]["simulate"]);
     const std::string picture = slurp(place / "o/frames/frame_000001.png");
     for (const char* original : {"sheet.toml", "roof.obj", "print.png"}) fs::remove(place / original);
     fs::rename(place / "o", place / "moved");

@@ -311,6 +311,15 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
                         {"playback_rate_hz", summary.playback_rate},
                         {"movie", summary.movie.filename().string()}};
     report["times_s"] = times_json(summary.times);
+    if (file.scene.simulation.contact == ContactKind::barrier) {
+        ContactTimes sum;
+        for (const FrameRecord& record : summary.records) sum += record.report.contact_times;
+        report["contact_times_s"] = {{"detection", sum.detection},
+                                     {"assembly", sum.assembly},
+                                     {"factorization", sum.factorization},
+                                     {"conjugate_gradients", sum.solution},
+                                     {"line_search", sum.evaluation}};
+    }
     auto frames = nlohmann::ordered_json::array();
     for (const FrameRecord& record : summary.records) {
         const FrameReport& r = record.report;
