@@ -10,6 +10,7 @@
 #include "sim/colliders.h"
 #include "sim/contact.h"
 #include "sim/mesh.h"
+#include "sim/parallel.h"
 
 namespace cloth {
 namespace {
@@ -131,12 +132,12 @@ VecX VertexFields::at(VertexField field, const State& state) const {
             const ColliderDesc& collider = model_.scene.colliders[c];
             const Placement placement = placement_at(collider, state.time);
             const MeshData surface = collider.shape == Shape::mesh ? collider_surface(collider) : MeshData();
-            for (int i = 0; i < n; ++i) {
+            parallel_for(n, [&](int i) {
                 const Vec3 point = state.positions.segment<3>(3 * i);
                 const Vec3 at_start = placement.rotation.transpose() * (point - placement.translation);
                 const double gap = collider_gap(collider, surface, at_start);
                 if (!(values(i) <= gap)) values(i) = gap;
-            }
+            });
         }
         return values;
     }
