@@ -172,7 +172,7 @@ BENCHMARK(png)->Arg(720)->Arg(1080)->Unit(benchmark::kMillisecond)->UseRealTime(
 /// Draw, write PNGs and encode, each on a thread of its own, as a run does: time of a frame. Arguments:
 /// height, triangles.
 void draw_write_encode(benchmark::State& state) {
-    const int height = static_cast<int>(state.range(0)), frames = 60;
+    const int height = static_cast<int>(state.range(0)), frames = 300;
     Drape drape(squares(state.range(1)));
     const View view = Drape::view(height * 16 / 9, height);
     const auto folder = std::filesystem::temp_directory_path() / ("bench_render." + std::to_string(getpid()));
