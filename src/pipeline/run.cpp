@@ -459,43 +459,42 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
                 summary.times.simulate += watch.seconds();
             }
             record.report.frame = frame;
+            const auto stop = [&](const std::string& what) {
+                stages.fail_later(std::make_exception_ptr(
+                    Error(ExitCode::not_converged, fmt::format("{}: {}", file.name, what))));
+            };
             const std::string fault = state_fault(simulation.state());
             if (!fault.empty()) {
                 const std::string kept =
                     frame == 0 ? "there is no good frame"
                                : fmt::format("the last good frame is {}; frames up to it are kept in {}",
                                              frame - 1, out.string());
-                stages.fail_later(std::make_exception_ptr(
-                    Error(ExitCode::not_converged,
-                          fmt::format("{}: the simulation diverged: in frame {} {}; {}; a "
-                                      "smaller simulation.time_step or softer cloth may help",
-                                      file.name, frame, fault, kept))));
+                stop(
+                    fmt::format("the simulation diverged: in frame {} {}; {}; a smaller simulation.time_step "
+                                "or softer cloth may help",
+                                frame, fault, kept));
                 return;
             }
             if (!record.report.converged) {
                 const SimulationDesc& settings = simulation.model().scene.simulation;
+                const double time = simulation.state().time;
+                const int parts = 1 << settings.retries;
                 const int vertex = record.report.worst_vertex.value_or(0);
                 const Vec3 place = simulation.state().positions.segment<3>(3 * vertex);
-                if (!record.report.placed) {
-                    stages.fail_later(std::make_exception_ptr(
-                        Error(ExitCode::not_converged,
-                              fmt::format(
-                                  "{}: frame {}: in the step from {:.6g} s, even cut into {} parts, pins or "
-                                  "colliders cannot get to where the scene wants them: cloth is in the way; "
-                                  "frames up to {} are kept in {}",
-                                  file.name, frame, simulation.state().time, 1 << settings.retries, frame - 1,
-                                  out.string()))));
-                    return;
-                }
-                stages.fail_later(std::make_exception_ptr(
-                    Error(ExitCode::not_converged,
-                          fmt::format(
-                              "{}: frame {}: the step from {:.6g} s did not converge, not even cut into {} "
-                              "parts: residual {:.2g}, must be {:.2g}; farthest from balance is vertex {} at "
-                              "({:.4g}, {:.4g}, {:.4g}); frames up to {} are kept in {}",
-                              file.name, frame, simulation.state().time, 1 << settings.retries,
-                              record.report.residual, settings.newton_tolerance, vertex, place.x(), place.y(),
-                              place.z(), frame - 1, out.string()))));
+                const std::string why =
+                    record.report.placed
+                        ? fmt::format(
+                              "the step from {:.6g} s did not converge, not even cut into {} parts: "
+                              "residual {:.2g}, must be {:.2g}; farthest from balance is vertex {} at "
+                              "({:.4g}, {:.4g}, {:.4g})",
+                              time, parts, record.report.residual, settings.newton_tolerance, vertex,
+                              place.x(), place.y(), place.z())
+                        : fmt::format(
+                              "in the step from {:.6g} s, even cut into {} parts, pins or colliders "
+                              "cannot get to where the scene wants them: cloth is in the way",
+                              time, parts);
+                stop(fmt::format("frame {}: {}; frames up to {} are kept in {}", frame, why, frame - 1,
+                                 out.string()));
                 return;
             }
             const Stopwatch watch;

@@ -1057,10 +1057,11 @@ struct Document {
                   s.newton_iterations),
             field("newton_tolerance", "", "residual at which a solve stops, against the step's start",
                   s.newton_tolerance),
-            field("newton_speed", "m/s",
-                  "of contact = \"barrier\": a solve stops as well where its last step moves no vertex faster, "
-                  "and the forces left no cloth's mean by a hundredth of it; 0: by newton_tolerance alone",
-                  s.newton_speed),
+            field(
+                "newton_speed", "m/s",
+                "of contact = \"barrier\": a solve stops as well where its last step moves no vertex faster, "
+                "and the forces left no cloth's mean by a hundredth of it; 0: by newton_tolerance alone",
+                s.newton_speed),
             field("retries", "", "times that a step which does not converge is halved", s.retries)};
     }
     Fields air_fields() {
@@ -1940,7 +1941,8 @@ std::string key_reference() {
     table("[[event]]", event.fields());
     table("[camera]", d.camera.fields());
     table("[[light]]", d.light.fields());
-    table("[ground]  (no table: the first level plane that stands still is drawn so, or no floor)", ground.fields());
+    table("[ground]  (no table: the first level plane that stands still is drawn so, or no floor)",
+          ground.fields());
     table("[background]", d.background.fields());
     table("[output]", d.output_fields());
     table("[expect]", d.expect_fields());
