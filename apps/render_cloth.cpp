@@ -1,4 +1,4 @@
-// Arguments and verbs of the program `render_cloth`; the work is done by src/pipeline/run.h and golden.h.
+// Arguments and verbs of the program `render_cloth`; the work is done by src/pipeline/run/run.h and golden.h.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -19,17 +19,17 @@
 #include <system_error>
 #include <vector>
 
-#include "pipeline/error.h"
-#include "pipeline/fabric_list.h"
-#include "pipeline/file_io.h"
-#include "pipeline/golden.h"
-#include "pipeline/run.h"
-#include "pipeline/sheet.h"
-#include "pipeline/state_store.h"
-#include "pipeline/video.h"
-#include "render/rasterizer.h"
-#include "sim/colliders.h"
-#include "sim/fabrics.h"
+#include "pipeline/formats/error.h"
+#include "pipeline/formats/file_io.h"
+#include "pipeline/formats/state_store.h"
+#include "pipeline/formats/video.h"
+#include "pipeline/golden/golden.h"
+#include "pipeline/run/run.h"
+#include "pipeline/run/sheet.h"
+#include "pipeline/scene_file/fabric_list.h"
+#include "render/raster/rasterizer.h"
+#include "sim/contact/overlap.h"
+#include "sim/scene/fabrics.h"
 #include "validation/validation.h"
 
 namespace {

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/scene_file.h"
+#include "pipeline/scene_file/scene_file.h"
 #include "sim/simulation.h"
 
 namespace {

@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "pipeline/video.h"
-#include "render/rasterizer.h"
+#include "pipeline/formats/video.h"
+#include "render/raster/rasterizer.h"
 
 namespace {
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <limits>
 
-#include "sim/air.h"
-#include "sim/bending.h"
-#include "sim/gravity.h"
-#include "sim/isotropic.h"
-#include "sim/membrane.h"
-#include "sim/mesh.h"
-#include "sim/seam.h"
-#include "sim/woven.h"
+#include "sim/energies/air.h"
+#include "sim/energies/bending.h"
+#include "sim/energies/gravity.h"
+#include "sim/energies/isotropic.h"
+#include "sim/energies/membrane.h"
+#include "sim/energies/seam.h"
+#include "sim/energies/woven.h"
+#include "sim/scene/mesh.h"
 
 namespace cloth {
 namespace {

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "sim/block_matrix.h"
-#include "sim/energy.h"
-#include "sim/membrane.h"
-#include "sim/pins.h"
-#include "sim/scene.h"
-#include "sim/state.h"
-#include "sim/types.h"
+#include "sim/algebra/block_matrix.h"
+#include "sim/algebra/types.h"
+#include "sim/energies/energy.h"
+#include "sim/energies/membrane.h"
+#include "sim/motion/pins.h"
+#include "sim/scene/scene.h"
+#include "sim/scene/state.h"
 
 namespace cloth {
 

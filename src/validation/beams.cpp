@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/integrator.h"
 #include "sim/simulation.h"
+#include "sim/stepping/integrator.h"
 #include "validation/elastica.h"
 #include "validation/strip.h"
 #include "validation/validation.h"

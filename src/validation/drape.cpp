@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "sim/fabrics.h"
-#include "sim/integrator.h"
-#include "sim/mesh.h"
+#include "sim/scene/fabrics.h"
+#include "sim/scene/mesh.h"
 #include "sim/simulation.h"
+#include "sim/stepping/integrator.h"
 #include "validation/strip.h"
 #include "validation/validation.h"
 

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/fabrics.h"
-#include "sim/integrator.h"
+#include "sim/scene/fabrics.h"
 #include "sim/simulation.h"
+#include "sim/stepping/integrator.h"
 #include "validation/strip.h"
 #include "validation/validation.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/integrator.h"
+#include "sim/stepping/integrator.h"
 
 namespace cloth::validation {
 

@@ -1,0 +1,24 @@
+#pragma once
+// Mesh import by assimp; export of a state as OBJ or PLY.
+
+#include <filesystem>
+
+#include "sim/scene/scene.h"
+
+namespace cloth::pipeline {
+
+/// Keeps the file's vertices and their order (an OBJ's `v` lines, a PLY's vertex list), joins nothing, drops
+/// nothing, and reads coordinates as doubles where the format has them as text. Throws Error(invalid_scene):
+/// missing, empty, malformed, or with faces that are not triangles.
+MeshData read_mesh(const std::filesystem::path& path);
+
+/// Only the vertices, as a start pose needs them: the file need not have faces.
+Points read_points(const std::filesystem::path& path);
+
+enum class MeshFormat { obj, ply };
+
+/// Text with 17 significant digits, so that reading gives the same doubles. Written to a temporary name, then
+/// renamed.
+void write_mesh(const MeshData& mesh, MeshFormat format, const std::filesystem::path& path);
+
+}  // namespace cloth::pipeline

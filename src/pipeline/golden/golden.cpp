@@ -1,0 +1,420 @@
+#include "pipeline/golden/golden.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "pipeline/formats/error.h"
+#include "pipeline/formats/file_io.h"
+#include "pipeline/formats/state_store.h"
+#include "pipeline/picture/camera.h"
+#include "pipeline/picture/frame_builder.h"
+#include "pipeline/run/run.h"
+#include "render/raster/rasterizer.h"
+#include "sim/simulation.h"
+
+namespace cloth::pipeline {
+
+namespace fs = std::filesystem;
+
+// ---------------------------------------------------------------- verdicts
+
+StateVerdict judge_state(const State& golden, const State& actual, const StateGate& gate) {
+    StateVerdict verdict;
+    if (golden.positions.size() != actual.positions.size()) {
+        verdict.largest_distance = std::numeric_limits<double>::infinity();
+        verdict.reason = fmt::format("{} vertices instead of {}", actual.positions.size() / 3,
+                                     golden.positions.size() / 3);
+        return verdict;
+    }
+    for (Eigen::Index i = 0; i < golden.positions.size() / 3; ++i) {
+        const double distance =
+            (golden.positions.segment<3>(3 * i) - actual.positions.segment<3>(3 * i)).norm();
+        // Not `distance > largest`: a distance that is no number must win.
+        if (!(distance <= verdict.largest_distance)) {
+            verdict.largest_distance = distance;
+            verdict.worst_vertex = static_cast<int>(i);
+        }
+        if (!std::isfinite(distance)) break;
+    }
+    if (gate.exact) {
+        const auto same = [](const VecX& a, const VecX& b) {
+            return a.size() == b.size() &&
+                   std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+        };
+        if (!same(golden.positions, actual.positions))
+            verdict.reason = fmt::format(
+                "vertex {} is off by {:.3g} m; the build is the golden one, so every bit "
+                "should agree",
+                verdict.worst_vertex, verdict.largest_distance);
+        else if (!same(golden.velocities, actual.velocities))
+            verdict.reason = "velocities differ; the build is the golden one, so every bit should agree";
+        verdict.passed = verdict.reason.empty();
+        return verdict;
+    }
+    // A vertex moved by just the tolerance fails; the last factor is the rounding of that movement.
+    verdict.passed = verdict.largest_distance < gate.tolerance * (1.0 - 1e-6);
+    if (!verdict.passed)
+        verdict.reason = fmt::format("vertex {} is off by {:.3g} m; allowed: less than {:.3g} m",
+                                     verdict.worst_vertex, verdict.largest_distance, gate.tolerance);
+    return verdict;
+}
+
+ImageVerdict judge_image(const render::Image& golden, const render::Image& actual, bool exact) {
+    ImageVerdict verdict;
+    verdict.difference = render::compare(golden, actual);
+    const render::ImageDifference& d = verdict.difference;
+    const std::string place =
+        fmt::format("; worst by {} of 255 at ({}, {})", d.largest, d.worst_x, d.worst_y);
+    if (!d.same_size)
+        verdict.reason = fmt::format("{}x{} pixels instead of {}x{}", actual.width, actual.height,
+                                     golden.width, golden.height);
+    else if (exact && d.largest > 0)
+        verdict.reason = "the renderer is the golden one, so every pixel should agree" + place;
+    else if (d.fraction_over_2 > 0.0005)
+        verdict.reason = fmt::format("{:.3f} % of the pixels off by more than 2; allowed: 0.05 %{}",
+                                     100 * d.fraction_over_2, place);
+    else if (d.fraction_over_32 > 0.0001)
+        verdict.reason = fmt::format("{:.3f} % of the pixels off by more than 32; allowed: 0.01 %{}",
+                                     100 * d.fraction_over_32, place);
+    else if (!(d.psnr >= 57.0))
+        verdict.reason = fmt::format("PSNR {:.1f} dB; at least 57 dB wanted{}", d.psnr, place);
+    verdict.passed = verdict.reason.empty();
+    return verdict;
+}
+
+namespace {
+
+// ---------------------------------------------------------------- golden folder
+
+fs::path golden_state(const fs::path& folder, std::int64_t frame) {
+    return folder / fmt::format("state_{:06d}.bin", frame);
+}
+fs::path golden_image(const fs::path& folder, std::int64_t frame) {
+    return folder / fmt::format("frame_{:06d}.png", frame);
+}
+
+struct GoldenFacts {
+    std::string build, renderer;
+    std::vector<std::int64_t> frames;
+};
+
+GoldenFacts read_facts(const fs::path& folder) {
+    const fs::path path = folder / "golden.json";
+    const std::string text = read_file(path);
+    try {
+        const auto json = nlohmann::json::parse(text);
+        return {json.at("build"), json.at("renderer"), json.at("frames")};
+    } catch (const nlohmann::json::exception&) {
+        throw Error(ExitCode::golden_mismatch, path.string() + ": damaged");
+    }
+}
+
+std::string bless_command(const std::string& scene) {
+    return "render_cloth bless " + scene;
+}
+
+std::vector<std::int64_t> golden_frames(const SceneFile& file) {
+    std::vector<std::int64_t> frames(file.expect.frames.begin(), file.expect.frames.end());
+    std::sort(frames.begin(), frames.end());
+    frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+    if (frames.empty())
+        throw Error(ExitCode::golden_mismatch,
+                    file.name + ": has no golden frames; name some in its [expect] frames = […], then " +
+                        bless_command(file.name));
+    return frames;
+}
+
+std::vector<State> simulate(Simulation& simulation, const std::string& scene,
+                            const std::vector<std::int64_t>& frames) {
+    std::vector<State> states;
+    for (std::int64_t frame = 0; frame <= frames.back(); ++frame) {
+        const bool converged = frame == 0 || simulation.advance_frame().converged;
+        if (const std::string fault = state_fault(simulation.state()); !fault.empty())
+            throw Error(ExitCode::not_converged,
+                        fmt::format("{}: the simulation diverged: in frame {} {}; the last good frame is {}",
+                                    scene, frame, fault, frame - 1));
+        if (!converged)
+            throw Error(ExitCode::not_converged,
+                        fmt::format("{}: a step of frame {} did not converge", scene, frame));
+        if (std::binary_search(frames.begin(), frames.end(), frame)) {
+            states.push_back(simulation.state());
+            states.back().frame = frame;
+        }
+    }
+    return states;
+}
+
+// ---------------------------------------------------------------- report
+
+std::string base64(std::string_view bytes) {
+    static constexpr std::string_view digits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
+        unsigned triple = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            triple = triple << 8 | (k < n ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += k <= n ? digits[triple >> (18 - 6 * k) & 63u] : '=';
+    }
+    return text;
+}
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
+        }
+    return out;
+}
+
+std::string picture_html(const render::Image& image, const std::string& caption) {
+    const std::vector<std::uint8_t> png = render::encode_png(image);
+    const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
+    return fmt::format(
+        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption>"
+        "</figure>\n",
+        escaped(caption), base64(bytes));
+}
+
+const char* word(bool passed) {
+    return passed ? "same" : "DIFFERS";
+}
+
+std::string distance_text(const StateVerdict& verdict) {
+    return verdict.passed && verdict.largest_distance == 0 ? "0"
+                                                           : fmt::format("{:.2e}", verdict.largest_distance);
+}
+
+std::string psnr_text(const ImageVerdict& verdict) {
+    return std::isinf(verdict.difference.psnr) ? "equal" : fmt::format("{:.1f}", verdict.difference.psnr);
+}
+
+/// The page's part of one frame: its pictures are there only while it is made.
+std::string row_html(const GoldenRow& row, const render::Image* golden, const render::Image* actual) {
+    std::string html = fmt::format(
+        "<h2>Frame {}</h2>\n<p>State: <b>{}</b>, distance {} m. {}</p>\n<p>Picture: <b>{}</b>, PSNR {} dB, "
+        "over 2: "
+        "{:.3f} %, over 32: {:.3f} %, worst by {} of 255 at ({}, {}). {}</p>\n",
+        row.frame, word(row.state.passed), distance_text(row.state), escaped(row.state.reason),
+        word(row.image.passed), psnr_text(row.image), 100 * row.image.difference.fraction_over_2,
+        100 * row.image.difference.fraction_over_32, row.image.difference.largest,
+        row.image.difference.worst_x, row.image.difference.worst_y, escaped(row.image.reason));
+    html += "<div class=\"row\">\n";
+    if (golden != nullptr) html += picture_html(*golden, "golden");
+    if (actual != nullptr) html += picture_html(*actual, "actual");
+    if (golden != nullptr && actual != nullptr && row.image.difference.same_size)
+        html += picture_html(render::magnified_difference(*golden, *actual, 16), "difference, times 16");
+    return html + "</div>\n";
+}
+
+void write_page(GoldenResult& result, const std::string& rows, const fs::path& out) {
+    std::error_code failure;
+    fs::create_directories(out, failure);
+    if (failure)
+        throw Error(ExitCode::other, "cannot write to the folder " + out.string() + ": " + failure.message());
+    result.report = out / "golden.html";
+    const std::string title =
+        fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
+    write_file(result.report,
+               fmt::format(
+                   "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+                   "<style>body{{font:15px sans-serif;margin:2em}}.row{{display:flex;gap:8px;flex-wrap:wrap}}"
+                   "figure{{margin:0}}img{{image-rendering:pixelated}}pre{{background:#eee;padding:1em}}"
+                   "</style></head><body>\n<h1>{0}</h1>\n<table>\n"
+                   "<tr><td>golden build</td><td>{1}</td></tr>\n<tr><td>this build</td><td>{2}</td></tr>\n"
+                   "<tr><td>golden renderer</td><td>{3}</td></tr>\n"
+                   "<tr><td>this renderer</td><td>{4}</td></tr>\n</table>\n<pre>{5}</pre>\n"
+                   "<p>Pictures are drawn from the golden states. If the change is wanted:</p>\n"
+                   "<pre>{6}</pre>\n{7}</body></html>\n",
+                   escaped(title), escaped(result.golden_build), escaped(result.actual_build),
+                   escaped(result.golden_renderer), escaped(result.actual_renderer),
+                   escaped(golden_table(result)), escaped(bless_command(result.scene)), rows));
+}
+
+/// What compare and bless have in common.
+struct Session {
+    Session(const SceneFile& scene_file, int threads, render::GlLibrary gl)
+        : file(scene_file),
+          frames(golden_frames(scene_file)),
+          simulation(file.scene, threads),
+          rasterizer(threads, gl),
+          builder(file, simulation.model()) {
+        file.view.width = golden_width;
+        file.view.height = golden_height;
+        result.scene = file.name;
+        result.state_tolerance = file.expect.state_tolerance;
+        result.actual_build = build_fingerprint();
+        result.actual_renderer = rasterizer.description();
+    }
+    Session(const Session&) = delete;  // the builder refers to the file
+
+    render::Image draw(const State& state) {
+        if (moves(file.camera)) aim(file.view, file.camera, state.time);
+        return rasterizer.draw(builder.build(state), file.view);
+    }
+    bool fits(const State& state) const {
+        return state.positions.size() == simulation.state().positions.size() &&
+               state.collider_on.size() == simulation.state().collider_on.size();
+    }
+
+    SceneFile file;
+    std::vector<std::int64_t> frames;
+    Simulation simulation;
+    render::Rasterizer rasterizer;
+    FrameBuilder builder;
+    GoldenResult result;
+};
+
+void conclude(GoldenResult& result) {
+    result.passed = std::all_of(result.rows.begin(), result.rows.end(),
+                                [](const GoldenRow& row) { return row.state.passed && row.image.passed; });
+}
+
+}  // namespace
+
+std::string golden_table(const GoldenResult& result) {
+    std::string table = fmt::format("{:>7}  {:>10}  {:<8} {:>8}  {:>8}  {:>9}  {}\n", "frame", "state [m]",
+                                    "state", "over 2", "over 32", "PSNR [dB]", "picture");
+    for (const GoldenRow& row : result.rows) {
+        const render::ImageDifference& d = row.image.difference;
+        table += fmt::format("{:>7}  {:>10}  {:<8} {:>6.3f} %  {:>6.3f} %  {:>9}  {}\n", row.frame,
+                             distance_text(row.state), word(row.state.passed), 100 * d.fraction_over_2,
+                             100 * d.fraction_over_32, psnr_text(row.image), word(row.image.passed));
+    }
+    for (const GoldenRow& row : result.rows) {
+        if (!row.state.passed) table += fmt::format("frame {}, state: {}\n", row.frame, row.state.reason);
+        if (!row.image.passed) table += fmt::format("frame {}, picture: {}\n", row.frame, row.image.reason);
+    }
+    const bool same_build = result.golden_build == result.actual_build;
+    const bool same_renderer = result.golden_renderer == result.actual_renderer;
+    table += fmt::format(
+        "{}: {} ({}, {})\n", result.scene, result.passed ? "agrees" : "differs",
+        same_build ? std::string("same build, states exact")
+                   : fmt::format("another build, states within {:.1g} m", result.state_tolerance),
+        same_renderer ? "same renderer, pictures exact" : "another renderer, pictures within tolerance");
+    return table;
+}
+
+GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
+                            int threads, render::GlLibrary gl) {
+    // Missing goldens are told of before any work is done.
+    for (const std::int64_t frame : golden_frames(scene_file))
+        for (const fs::path& path :
+             {golden / "golden.json", golden_state(golden, frame), golden_image(golden, frame)}) {
+            std::error_code failure;
+            if (!fs::is_regular_file(path, failure))
+                throw Error(ExitCode::golden_mismatch,
+                            fmt::format("{}: the golden {} is missing; make it with {}", scene_file.name,
+                                        path.string(), bless_command(scene_file.name)));
+        }
+    const GoldenFacts facts = read_facts(golden);
+    Session session(scene_file, threads, gl);
+    GoldenResult& result = session.result;
+    result.golden_build = facts.build;
+    result.golden_renderer = facts.renderer;
+    const std::vector<State> states = simulate(session.simulation, result.scene, session.frames);
+    const StateGate gate{facts.build == result.actual_build, result.state_tolerance};
+    std::string rows;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        GoldenRow row;
+        row.frame = session.frames[i];
+        const State golden_now = read_state(golden_state(golden, row.frame));
+        const render::Image golden_picture = render::read_png(golden_image(golden, row.frame));
+        row.state = judge_state(golden_now, states[i], gate);
+        std::optional<render::Image> picture;
+        if (session.fits(golden_now)) {
+            picture = session.draw(golden_now);
+            row.image = judge_image(golden_picture, *picture, facts.renderer == result.actual_renderer);
+        } else {
+            row.image.reason = "not drawn: the golden state does not fit the scene";
+        }
+        rows += row_html(row, &golden_picture, picture ? &*picture : nullptr);
+        result.rows.push_back(std::move(row));
+    }
+    conclude(result);
+    write_page(result, rows, out);
+    return std::move(result);
+}
+
+GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
+                          int threads, render::GlLibrary gl) {
+    Session session(scene_file, threads, gl);
+    GoldenResult& result = session.result;
+    const std::vector<State> states = simulate(session.simulation, result.scene, session.frames);
+
+    std::optional<GoldenFacts> before;
+    try {
+        before = read_facts(golden);
+        result.golden_build = before->build;
+        result.golden_renderer = before->renderer;
+    } catch (const Error&) {
+        // Nothing, or nothing readable, stood there: there is no comparison to make.
+    }
+    std::error_code failure;
+    fs::create_directories(golden, failure);
+    if (failure)
+        throw Error(ExitCode::other,
+                    "cannot write to the folder " + golden.string() + ": " + failure.message());
+
+    // Until all is written anew the goldens count as missing, never as a mixture.
+    fs::remove(golden / "golden.json", failure);
+    std::string rows;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        const std::int64_t frame = session.frames[i];
+        const render::Image picture = session.draw(states[i]);
+        if (before) try {
+                const State old_state = read_state(golden_state(golden, frame));
+                const render::Image old_picture = render::read_png(golden_image(golden, frame));
+                GoldenRow row;
+                row.frame = frame;
+                row.state = judge_state(old_state, states[i],
+                                        {before->build == result.actual_build, result.state_tolerance});
+                row.image = judge_image(old_picture, picture, before->renderer == result.actual_renderer);
+                rows += row_html(row, &old_picture, &picture);
+                result.rows.push_back(std::move(row));
+            } catch (const std::runtime_error&) {
+                // This frame is new, or its old files cannot be read.
+            }
+        write_state(states[i], golden_state(golden, frame), Compression::small);
+        render::write_png(picture, golden_image(golden, frame));
+    }
+    if (before)
+        for (const std::int64_t frame : before->frames)
+            if (!std::binary_search(session.frames.begin(), session.frames.end(), frame)) {
+                fs::remove(golden_state(golden, frame), failure);
+                fs::remove(golden_image(golden, frame), failure);
+            }
+    const nlohmann::ordered_json facts = {{"build", result.actual_build},
+                                          {"renderer", result.actual_renderer},
+                                          {"size_pixel", {golden_width, golden_height}},
+                                          {"state_tolerance_m", result.state_tolerance},
+                                          {"frames", session.frames}};
+    write_file(golden / "golden.json", facts.dump(2) + "\n");
+    conclude(result);
+    write_page(result, rows, out);
+    return std::move(result);
+}
+
+}  // namespace cloth::pipeline

@@ -1,0 +1,318 @@
+#include "pipeline/picture/frame_builder.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/motion/placement.h"
+#include "sim/scene/mesh.h"
+#include "sim/shapes/shapes.h"
+
+namespace cloth::pipeline {
+
+namespace {
+
+constexpr int sphere_meridians =
+    128;  // chord error 0.03 % of the radius: below a pixel up to 8k pictures' width
+constexpr int sphere_parallels = 64;
+constexpr double plane_half_width = 10.0;  // [m]
+constexpr int plane_cells = 64;            // along a side
+constexpr double plane_grading = 3.9;      // cells of 5 cm at the middle
+
+void append(std::vector<float>& list, const Vec3& v) {
+    for (int i = 0; i < 3; ++i) list.push_back(static_cast<float>(v[i]));
+}
+
+void append_triangle(std::vector<std::uint32_t>& list, int a, int b, int c) {
+    for (const int corner : {a, b, c}) list.push_back(static_cast<std::uint32_t>(corner));
+}
+
+Vec3 vector_at(const std::vector<float>& list, int i) {
+    const float* p = list.data() + 3 * static_cast<std::size_t>(i);
+    return {p[0], p[1], p[2]};
+}
+
+/// Rest shape → the plane that it lies in, or nearly: u along x as far as that goes, v upwards from there
+/// [m].
+Eigen::Matrix<double, Eigen::Dynamic, 2> rest_chart(const Points& rest, const Triangles& triangles) {
+    Vec3 normal = Vec3::Zero();
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+        const Vec3 a = rest.row(triangles(t, 0)), b = rest.row(triangles(t, 1)),
+                   c = rest.row(triangles(t, 2));
+        normal += (b - a).cross(c - a);
+    }
+    normal =
+        normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());  // closed: any plane will do
+    const Vec3 along = std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3(-Vec3::UnitZ());
+    const Vec3 u = (along - along.dot(normal) * normal).normalized(), v = normal.cross(u);
+    Eigen::Matrix<double, Eigen::Dynamic, 2> chart(rest.rows(), 2);
+    chart << rest * u, rest * v;
+    return chart;
+}
+
+/// Across half of a rolled edge: shares of its half thickness outwards and upwards, and the normal there.
+struct RimPoint {
+    double out, up, normal_out, normal_up;
+};
+constexpr std::array<RimPoint, 5> rim_profile{{{-3.0, 0.0, 0.0, 1.0},
+                                               {-1.3, 0.8, -0.4, 0.92},
+                                               {0.0, 1.0, 0.0, 1.0},
+                                               {0.71, 0.71, 0.71, 0.71},
+                                               {1.0, 0.0, 1.0, 0.0}}};
+
+/// A plane that stands still and level, or turns in itself: drawn as the ground, it has no edge.
+bool is_level_floor(const ColliderDesc& collider) {
+    return collider.shape == Shape::plane && collider.path.empty() &&
+           collider.normal.normalized().y() == 1.0 && collider.spin.x() == 0.0 && collider.spin.z() == 0.0;
+}
+
+}  // namespace
+
+FrameBuilder::Rim FrameBuilder::make_rim(const Subdivision& fine, const Mesh& cloth) const {
+    // Edges of one triangle, in its direction: from each rim vertex to the next
+    std::map<std::pair<int, int>, int> edges;
+    for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t)
+        for (int k = 0; k < 3; ++k) ++edges[{fine.triangles(t, k), fine.triangles(t, (k + 1) % 3)}];
+    std::map<int, std::pair<int, int>> links;  // vertex → before, after
+    std::vector<std::pair<int, int>> rim_edges;
+    for (const auto& [edge, count] : edges)
+        if (!edges.contains({edge.second, edge.first})) rim_edges.push_back(edge);
+    for (const auto& [a, b] : rim_edges) {
+        links.try_emplace(a, a, a).first->second.second = b;
+        links.try_emplace(b, b, b).first->second.first = a;
+    }
+    const auto chart = [&](int i) {
+        return Vec2(cloth.coordinates[2 * static_cast<std::size_t>(i)],
+                    cloth.coordinates[2 * static_cast<std::size_t>(i) + 1]);
+    };
+    Rim rim;
+    std::map<int, int> number;
+    for (const auto& [at, ends] : links) {
+        const Vec2 along = chart(ends.second) - chart(ends.first);
+        const Vec2 outward = Vec2(along.y(), -along.x());
+        number[at] = static_cast<int>(rim.vertices.size());
+        rim.vertices.push_back({at, ends.first, ends.second,
+                                outward.norm() > 0 ? Vec2(outward.normalized()) : Vec2(Vec2::Zero())});
+    }
+    constexpr int across = rim_profile.size();
+    for (const int half : {0, 1}) {
+        Mesh& mesh = rim.halves[half];
+        for (const auto& [a, b] : rim_edges)
+            for (int k = 0; k + 1 < across; ++k) {
+                const int p = across * number.at(a) + k, q = across * number.at(b) + k;
+                if (half == 0) {
+                    append_triangle(mesh.triangles, p, p + 1, q);
+                    append_triangle(mesh.triangles, q, p + 1, q + 1);
+                } else {
+                    append_triangle(mesh.triangles, p, q, p + 1);
+                    append_triangle(mesh.triangles, q, q + 1, p + 1);
+                }
+            }
+    }
+    return rim;
+}
+
+void FrameBuilder::place_rim(Rim& rim, const Mesh& cloth, double thickness) const {
+    for (const int half : {0, 1}) {
+        Mesh& mesh = rim.halves[half];
+        mesh.positions.clear();
+        mesh.normals.clear();
+        mesh.coordinates.clear();
+        for (const Rim::Vertex& v : rim.vertices) {
+            const Vec3 up = (half == 0 ? 1.0 : -1.0) * vector_at(cloth.normals, v.at);
+            const Vec3 along = vector_at(cloth.positions, v.after) - vector_at(cloth.positions, v.before);
+            Vec3 out = (half == 0 ? 1.0 : -1.0) * along.cross(up);
+            out = out.norm() > 0 ? Vec3(out.normalized()) : Vec3(Vec3::Zero());
+            for (const RimPoint& r : rim_profile) {
+                append(mesh.positions,
+                       vector_at(cloth.positions, v.at) + 0.5 * thickness * (r.out * out + r.up * up));
+                append(mesh.normals, (r.normal_out * out + r.normal_up * up + 1e-9 * up).normalized());
+                for (int k = 0; k < 2; ++k)
+                    mesh.coordinates.push_back(cloth.coordinates[2 * static_cast<std::size_t>(v.at) + k] +
+                                               static_cast<float>(0.5 * thickness * r.out * v.outward[k]));
+            }
+        }
+    }
+}
+
+FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(file), model_(model) {
+    for (std::size_t c = 0; c < model.cloths.size(); ++c) {
+        const ClothRange& cloth = model.cloths[c];
+        const Triangles own = model.triangles.middleRows(cloth.first_triangle, cloth.triangle_count).array() -
+                              cloth.first_vertex;
+        subdivisions_.push_back(
+            subdivide(model.rest_positions.middleRows(cloth.first_vertex, cloth.vertex_count), own,
+                      file.cloth_looks.at(c).subdivisions));
+        const Subdivision& fine = subdivisions_.back();
+        Mesh mesh;
+        for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t)
+            append_triangle(mesh.triangles, fine.triangles(t, 0), fine.triangles(t, 1), fine.triangles(t, 2));
+        mesh.positions.resize(3 * static_cast<std::size_t>(fine.weights.rows()));
+        mesh.normals.resize(mesh.positions.size());
+        const Points rest = model.rest_positions.middleRows(cloth.first_vertex, cloth.vertex_count);
+        const auto chart = rest_chart(fine.weights * rest, fine.triangles);
+        for (Eigen::Index i = 0; i < chart.rows(); ++i)
+            for (int k = 0; k < 2; ++k) mesh.coordinates.push_back(static_cast<float>(chart(i, k)));
+        rims_.push_back(file.cloth_looks.at(c).hem > 0 ? make_rim(fine, mesh) : Rim{});
+        cloths_.push_back(std::move(mesh));
+    }
+    for (const ColliderDesc& collider : model.scene.colliders) {
+        Mesh mesh;
+        if (collider.shape == Shape::sphere || collider.shape == Shape::capsule) {
+            // A capsule is a sphere whose halves stand apart along its axis.
+            const bool capsule = collider.shape == Shape::capsule;
+            const auto ends =
+                capsule ? capsule_ends(collider) : std::array<Vec3, 2>{collider.center, collider.center};
+            const Mat3 turn = capsule ? rotation_matrix(collider.rotate) : Mat3(Mat3::Identity());
+            // Rings from pole to pole; the poles are rings of coinciding vertices.
+            for (int j = 0; j <= sphere_parallels; ++j)
+                for (int i = 0; i < sphere_meridians; ++i) {
+                    const double polar = std::numbers::pi * j / sphere_parallels;
+                    const double azimuth = 2.0 * std::numbers::pi * i / sphere_meridians;
+                    const Vec3 normal = turn * Vec3(std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                                                    -std::sin(polar) * std::sin(azimuth));
+                    append(mesh.positions, ends[2 * j <= sphere_parallels] + collider.radius * normal);
+                    append(mesh.normals, normal);
+                }
+            for (int j = 0; j < sphere_parallels; ++j)
+                for (int i = 0; i < sphere_meridians; ++i) {
+                    const int next = (i + 1) % sphere_meridians;
+                    const int a = j * sphere_meridians + i, b = j * sphere_meridians + next;
+                    const int c = a + sphere_meridians, d = b + sphere_meridians;
+                    if (j > 0) append_triangle(mesh.triangles, a, c, b);
+                    if (j + 1 < sphere_parallels) append_triangle(mesh.triangles, b, c, d);
+                }
+        } else if (collider.shape != Shape::plane) {
+            // Flat shading but for a cylinder's side: corners are not shared.
+            const MeshData surface = collider_surface(collider);
+            const Vec3 axis = rotation_matrix(collider.rotate).col(1);
+            for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+                std::array<Vec3, 3> p;
+                for (int k = 0; k < 3; ++k) p[k] = surface.positions.row(surface.triangles(t, k));
+                const Vec3 flat = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+                for (int k = 0; k < 3; ++k) {
+                    Vec3 normal = flat;
+                    if (collider.shape == Shape::cylinder && std::abs(flat.dot(axis)) < 0.5) {
+                        const Vec3 out = p[k] - collider.center;
+                        normal = (out - axis * axis.dot(out)).normalized();
+                    }
+                    append(mesh.positions, p[k]);
+                    append(mesh.normals, normal);
+                }
+                const int first = static_cast<int>(3 * t);
+                append_triangle(mesh.triangles, first, first + 1, first + 2);
+            }
+        } else {
+            const Vec3 normal = collider.normal.normalized();
+            const Vec3 aside = std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitZ();
+            const Vec3 u = normal.cross(aside).normalized();
+            const Vec3 v = normal.cross(u);
+            // A grid, finest at its middle: vertices carry how much of the sky they see past what lies there.
+            const auto line = [](int i) {
+                const double part = 2.0 * i / plane_cells - 1;
+                return plane_half_width * std::sinh(plane_grading * part) / std::sinh(plane_grading);
+            };
+            for (int j = 0; j <= plane_cells; ++j)
+                for (int i = 0; i <= plane_cells; ++i) {
+                    append(mesh.positions, collider.center + line(i) * u + line(j) * v);
+                    append(mesh.normals, normal);
+                }
+            for (int j = 0; j < plane_cells; ++j)
+                for (int i = 0; i < plane_cells; ++i) {
+                    const int at = j * (plane_cells + 1) + i, above = at + plane_cells + 1;
+                    append_triangle(mesh.triangles, at, at + 1, above + 1);
+                    append_triangle(mesh.triangles, at, above + 1, above);
+                }
+        }
+        if (!collider.path.empty() || !collider.spin.isZero(0.0)) {
+            moving_.push_back({static_cast<int>(colliders_.size()), mesh});
+        }
+        colliders_.push_back(std::move(mesh));
+    }
+}
+
+render::Frame FrameBuilder::build(const State& state) {
+    if (state.positions.size() != 3 * static_cast<Eigen::Index>(model_.vertex_count()) ||
+        state.collider_on.size() != colliders_.size())
+        throw std::invalid_argument("the state does not fit the scene");
+    render::Frame frame;
+    frame.ground = file_.ground;
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+        const ClothRange& cloth = model_.cloths[c];
+        Mesh& mesh = cloths_[c];
+        const Subdivision& fine = subdivisions_[c];
+        Points coarse(cloth.vertex_count, 3);
+        for (int i = 0; i < cloth.vertex_count; ++i)
+            coarse.row(i) = state.positions.segment<3>(3 * (cloth.first_vertex + i)).transpose();
+        const Points positions = fine.weights * coarse;
+        // Weighted by area in doubles: a crossed product is twice a triangle's area long.
+        Points normals = Points::Zero(positions.rows(), 3);
+        for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t) {
+            const Vec3 p0 = positions.row(fine.triangles(t, 0)), p1 = positions.row(fine.triangles(t, 1)),
+                       p2 = positions.row(fine.triangles(t, 2));
+            const Vec3 weighted = (p1 - p0).cross(p2 - p0);
+            for (int k = 0; k < 3; ++k) normals.row(fine.triangles(t, k)) += weighted.transpose();
+        }
+        for (Eigen::Index i = 0; i < positions.rows(); ++i) {
+            Vec3 normal = normals.row(i).transpose();
+            const double length = normal.norm();
+            normal = length > 0 ? Vec3(normal / length) : Vec3(Vec3::UnitY());  // folded flat: any will do
+            for (int k = 0; k < 3; ++k) {
+                mesh.positions[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(positions(i, k));
+                mesh.normals[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(normal[k]);
+            }
+        }
+        frame.surfaces.push_back(
+            {mesh.positions, mesh.normals, mesh.triangles, file_.cloth_looks.at(c).material, true});
+        frame.surfaces.back().coordinates = mesh.coordinates;
+    }
+    for (const auto& [c, start] : moving_) {
+        const Placement placement = placement_at(model_.scene.colliders[c], state.time);
+        Mesh& mesh = colliders_[c];
+        for (std::size_t i = 0; i + 2 < start.positions.size(); i += 3) {
+            const Vec3 p =
+                placement(Vec3(start.positions[i], start.positions[i + 1], start.positions[i + 2]));
+            const Vec3 n =
+                placement.rotation * Vec3(start.normals[i], start.normals[i + 1], start.normals[i + 2]);
+            for (int k = 0; k < 3; ++k) {
+                mesh.positions[i + k] = static_cast<float>(p[k]);
+                mesh.normals[i + k] = static_cast<float>(n[k]);
+            }
+        }
+    }
+    for (std::size_t c = 0; c < colliders_.size(); ++c) {
+        const ColliderDesc& collider = model_.scene.colliders[c];
+        if (!collider.drawn || state.collider_on[c] == 0) continue;
+        const render::Material& material = file_.collider_looks.at(c).material;
+        if (!frame.ground && is_level_floor(collider)) {
+            frame.ground = render::Ground{static_cast<float>(collider.center.y()), material.front};
+            continue;
+        }
+        const Mesh& mesh = colliders_[c];
+        frame.surfaces.push_back({mesh.positions, mesh.normals, mesh.triangles, material, false});
+        if (collider.shape != Shape::plane) continue;
+        frame.surfaces.back().casts_shadow = false;  // its metres would take all of the shadow map
+        if (collider.normal.normalized().y() > 0.5) frame.floor_color = material.front;
+    }
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+        const Look& look = file_.cloth_looks.at(c);
+        if (rims_[c].vertices.empty()) continue;
+        place_rim(rims_[c], cloths_[c], look.hem);
+        for (const int half : {0, 1}) {
+            const Mesh& mesh = rims_[c].halves[half];
+            render::Material material = look.material;
+            if (half == 1) {
+                material.front = material.back;
+                if (!material.pattern_on_back) material.pattern = render::Pattern::plain;
+            }
+            frame.surfaces.push_back({mesh.positions, mesh.normals, mesh.triangles, material, false});
+            frame.surfaces.back().coordinates = mesh.coordinates;
+            frame.surfaces.back().casts_shadow = false;  // the cloth's own is as wide
+        }
+    }
+    return frame;
+}
+
+}  // namespace cloth::pipeline

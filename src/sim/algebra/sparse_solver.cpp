@@ -1,0 +1,459 @@
+#include "sim/algebra/sparse_solver.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+#include <Eigen/Cholesky>
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+namespace cloth {
+namespace {
+
+/// Consecutive columns (vertices, in elimination order) with the same structure below them.
+template <class Scalar>
+struct Supernode {
+    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+    int first = 0, width = 0;  ///< columns first … first + width - 1
+    std::vector<int> rows;     ///< the columns themselves, then the rows below, ascending
+    int parent = -1;
+    std::vector<int> children;
+    /// A's blocks in these columns: front row and column (in vertices), source slot, and whether it is
+    /// transposed.
+    struct Entry {
+        int row, column, slot;
+        bool transposed;
+    };
+    std::vector<Entry> entries;
+    std::vector<int> place_in_parent;  ///< of each row below: index into the parent's rows
+    Matrix factor;                     ///< 3 rows × 3 width: L in these columns
+    Matrix update;                     ///< Schur complement handed to the parent, lower triangle
+    /// While solving: the right-hand side's part on `rows`, then what this subtree takes from the rows below.
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> part;
+    long subtree_work = 0;  ///< rough flops below and here, to decide what is worth a task
+};
+
+/// Columns of a supernode may be padded with zeros up to this share to merge it with its parent: fewer,
+/// larger fronts are faster than the flops that they save.
+template <class Scalar>
+bool worth_merging(const Supernode<Scalar>& child, const Supernode<Scalar>& parent) {
+    if (child.first + child.width != parent.first) return false;
+    const double rows_merged = child.width + static_cast<double>(parent.rows.size());
+    const double width_merged = child.width + parent.width;
+    const double before = static_cast<double>(child.width) * static_cast<double>(child.rows.size()) +
+                          static_cast<double>(parent.width) * static_cast<double>(parent.rows.size());
+    const double zeros = width_merged * rows_merged - before - 0.5 * child.width * parent.width;
+    if (width_merged <= 4) return zeros <= 0.8 * before;
+    if (width_merged <= 16) return zeros <= 0.3 * before;
+    return zeros <= 0.08 * before;
+}
+
+}  // namespace
+
+struct SparseSolver::Impl {
+    virtual ~Impl() = default;
+    virtual bool factorize(const BlockMatrix& A) = 0;
+    virtual void solve(const VecX& b, VecX& x) = 0;
+};
+
+namespace {
+
+template <class Scalar>
+struct Multifrontal final : SparseSolver::Impl {
+    using Node = Supernode<Scalar>;
+    using Matrix = typename Node::Matrix;
+
+    int vertex_count = 0;
+    std::vector<int> vertex_at;  ///< elimination order → vertex
+    std::vector<Node> nodes;
+    std::vector<int> roots;
+    std::atomic<bool> failed{false};
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> y;  ///< while solving, in elimination order
+
+    Multifrontal(const BlockPattern& pattern, const std::vector<int>& pinned);
+    bool factorize(const BlockMatrix& A) override;
+    void solve(const VecX& b, VecX& x) override;
+
+    void factorize_front(int s, const BlockMatrix& A);
+    void forward(int s);
+    void backward(int s);
+    /// visit(s) for s and all below it, children before parents or the other way round; large subtrees on
+    /// different threads.
+    template <class F>
+    void up_tree(int s, const F& visit);
+    template <class F>
+    void down_tree(int s, const F& visit);
+    template <class F>
+    void for_children(int s, const F& visit);
+};
+
+template <class Scalar>
+Multifrontal<Scalar>::Multifrontal(const BlockPattern& pattern, const std::vector<int>& pinned) {
+    Multifrontal& d = *this;
+    d.vertex_count = pattern.vertex_count();
+
+    std::vector<int> free_index(d.vertex_count, -1), free_vertices;
+    for (int v = 0; v < d.vertex_count; ++v) {
+        if (std::binary_search(pinned.begin(), pinned.end(), v)) continue;
+        free_index[v] = static_cast<int>(free_vertices.size());
+        free_vertices.push_back(v);
+    }
+    const int n = static_cast<int>(free_vertices.size());
+    if (n == 0) return;
+
+    // Fill-reducing order of the vertices.
+    std::vector<Eigen::Triplet<double>> graph;
+    for (int i = 0; i < d.vertex_count; ++i) {
+        for (int s = pattern.row_begin[i]; s < pattern.row_begin[i + 1]; ++s) {
+            const int a = free_index[i], b = free_index[pattern.column[s]];
+            if (a < 0 || b < 0) continue;
+            graph.emplace_back(a, b, 1.0);
+            if (a != b) graph.emplace_back(b, a, 1.0);
+        }
+    }
+    Eigen::SparseMatrix<double> adjacency(n, n);
+    adjacency.setFromTriplets(graph.begin(), graph.end());
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> amd;
+    Eigen::AMDOrdering<int>()(adjacency, amd);
+    std::vector<int> order(n);  // position → free index
+    for (int k = 0; k < n; ++k) order[k] = amd.indices()(k);
+
+    // Elimination tree and its postorder, so that a supernode's columns are neighbours.
+    auto elimination_tree = [&](const std::vector<int>& position) {
+        std::vector<int> parent(n, -1), ancestor(n, -1);
+        std::vector<int> at(n);
+        for (int f = 0; f < n; ++f) at[position[f]] = f;
+        for (int j = 0; j < n; ++j) {
+            for (Eigen::SparseMatrix<double>::InnerIterator it(adjacency, at[j]); it; ++it) {
+                int i = position[it.row()];
+                while (i != -1 && i < j) {
+                    const int next = ancestor[i];
+                    ancestor[i] = j;
+                    if (next == -1) parent[i] = j;
+                    i = next;
+                }
+            }
+        }
+        return parent;
+    };
+    std::vector<int> position(n);
+    for (int k = 0; k < n; ++k) position[order[k]] = k;
+    std::vector<int> parent = elimination_tree(position);
+    {
+        std::vector<std::vector<int>> children(n);
+        std::vector<int> stack, postorder;
+        for (int j = n - 1; j >= 0; --j) (parent[j] < 0 ? stack : children[parent[j]]).push_back(j);
+        std::vector<std::size_t> next(n, 0);
+        // Children were pushed in descending order; taking them from the back keeps the order ascending.
+        std::vector<int> path;
+        while (!stack.empty()) {
+            path.push_back(stack.back());
+            stack.pop_back();
+            while (!path.empty()) {
+                const int j = path.back();
+                if (next[j] < children[j].size()) {
+                    path.push_back(children[j][children[j].size() - 1 - next[j]++]);
+                } else {
+                    postorder.push_back(j);
+                    path.pop_back();
+                }
+            }
+        }
+        std::vector<int> reordered(n);
+        for (int k = 0; k < n; ++k) reordered[k] = order[postorder[k]];
+        order = reordered;
+    }
+    for (int k = 0; k < n; ++k) position[order[k]] = k;
+    parent = elimination_tree(position);
+    d.vertex_at.resize(n);
+    for (int k = 0; k < n; ++k) d.vertex_at[k] = free_vertices[order[k]];
+
+    // Column structures of L, bottom up; fundamental supernodes: a chain whose structure loses just its own
+    // column.
+    std::vector<std::vector<int>> structure(n);
+    std::vector<int> child_count(n, 0);
+    for (int j = 0; j < n; ++j) {
+        std::vector<int>& rows = structure[j];
+        for (Eigen::SparseMatrix<double>::InnerIterator it(adjacency, order[j]); it; ++it) {
+            if (position[it.row()] > j) rows.push_back(position[it.row()]);
+        }
+        std::sort(rows.begin(), rows.end());
+        rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+        structure[j] = rows;
+        if (parent[j] >= 0) ++child_count[parent[j]];
+    }
+    for (int j = 0; j < n; ++j) {
+        if (parent[j] < 0) continue;
+        std::vector<int>& up = structure[parent[j]];
+        std::vector<int> merged;
+        std::set_union(up.begin(), up.end(), structure[j].begin() + 1, structure[j].end(),
+                       std::back_inserter(merged));
+        up.swap(merged);
+    }
+    std::vector<Node> found;
+    std::vector<int> node_of(n);
+    for (int j = 0; j < n; ++j) {
+        const bool continues = j > 0 && parent[j - 1] == j && child_count[j] == 1 &&
+                               structure[j - 1].size() == structure[j].size() + 1;
+        if (!continues) {
+            found.emplace_back();
+            found.back().first = j;
+            found.back().rows.push_back(j);
+            found.back().rows.insert(found.back().rows.end(), structure[j].begin(), structure[j].end());
+        }
+        ++found.back().width;
+        node_of[j] = static_cast<int>(found.size()) - 1;
+    }
+    // Merge a supernode into its parent where they are neighbours and little is padded. From the top down in
+    // postorder the last child of a parent is the one that touches it.
+    std::vector<bool> gone(found.size(), false);
+    for (int s = static_cast<int>(found.size()) - 1; s >= 0; --s) {
+        Node& child = found[s];
+        if (static_cast<int>(child.rows.size()) == child.width) continue;
+        const int p = node_of[child.rows[child.width]];
+        Node& up = found[p];
+        if (!worth_merging(child, up)) continue;
+        std::vector<int> rows(child.rows.begin(), child.rows.begin() + child.width);
+        rows.insert(rows.end(), up.rows.begin(), up.rows.end());
+        up.first = child.first;
+        up.width += child.width;
+        up.rows.swap(rows);
+        for (int j = child.first; j < child.first + child.width; ++j) node_of[j] = p;
+        gone[s] = true;
+    }
+    std::vector<int> renumbered(found.size(), -1);
+    for (std::size_t s = 0; s < found.size(); ++s) {
+        if (gone[s]) continue;
+        renumbered[s] = static_cast<int>(d.nodes.size());
+        d.nodes.push_back(std::move(found[s]));
+    }
+    for (int& s : node_of) s = renumbered[s];
+
+    for (std::size_t s = 0; s < d.nodes.size(); ++s) {
+        Node& node = d.nodes[s];
+        const auto height = static_cast<long>(node.rows.size());
+        node.factor.resize(3 * height, 3 * node.width);
+        node.subtree_work += node.width * height * height;
+        if (height == node.width) {
+            d.roots.push_back(static_cast<int>(s));
+            continue;
+        }
+        node.parent = node_of[node.rows[node.width]];
+        Node& up = d.nodes[node.parent];
+        up.children.push_back(static_cast<int>(s));
+        up.subtree_work += node.subtree_work;
+        for (std::size_t r = node.width; r < node.rows.size(); ++r) {
+            node.place_in_parent.push_back(static_cast<int>(
+                std::lower_bound(up.rows.begin(), up.rows.end(), node.rows[r]) - up.rows.begin()));
+        }
+        node.update.resize(3 * (height - node.width), 3 * (height - node.width));
+    }
+    for (int i = 0; i < d.vertex_count; ++i) {
+        for (int slot = pattern.row_begin[i]; slot < pattern.row_begin[i + 1]; ++slot) {
+            const int a = free_index[i], b = free_index[pattern.column[slot]];
+            if (a < 0 || b < 0) continue;
+            const int row = position[a], column = position[b];  // the stored block is (row, column)
+            const bool transposed = row < column;
+            const int low = std::min(row, column), high = std::max(row, column);
+            Node& node = d.nodes[node_of[low]];
+            const int front_row = static_cast<int>(
+                std::lower_bound(node.rows.begin(), node.rows.end(), high) - node.rows.begin());
+            node.entries.push_back({front_row, low - node.first, slot, transposed});
+        }
+    }
+}
+
+template <class Scalar>
+void Multifrontal<Scalar>::factorize_front(int s, const BlockMatrix& A) {
+    Node& node = nodes[s];
+    Matrix& L = node.factor;
+    Matrix& U = node.update;
+    const int width = 3 * node.width;
+    const auto below = static_cast<int>(node.place_in_parent.size()) * 3;
+    L.setZero();
+    U.setZero();
+    for (const auto& e : node.entries) {
+        auto target = L.template block<3, 3>(3 * e.row, 3 * e.column);
+        if (e.transposed) {
+            target = A.blocks[e.slot].transpose().template cast<Scalar>();
+        } else {
+            target = A.blocks[e.slot].template cast<Scalar>();
+        }
+    }
+    for (int c : node.children) {
+        const Node& child = nodes[c];
+        const auto& place = child.place_in_parent;
+        for (std::size_t j = 0; j < place.size(); ++j) {
+            const auto column = static_cast<Eigen::Index>(3 * j);
+            for (std::size_t i = j; i < place.size(); ++i) {
+                const auto row = static_cast<Eigen::Index>(3 * i);
+                const auto from = child.update.template block<3, 3>(row, column);
+                if (place[j] < node.width) {
+                    L.template block<3, 3>(3 * place[i], 3 * place[j]) += from;
+                } else {
+                    U.template block<3, 3>(3 * (place[i] - node.width), 3 * (place[j] - node.width)) += from;
+                }
+            }
+        }
+    }
+    auto top = L.topRows(width);
+    Eigen::LLT<Eigen::Ref<Matrix>> llt(top);
+    // Eigen lets a NaN pivot pass.
+    if (llt.info() != Eigen::Success || !top.diagonal().allFinite()) {
+        failed = true;
+        return;
+    }
+    if (below == 0) return;
+    auto bottom = L.bottomRows(below);
+    // A large front is worth several threads: pieces of fixed size, whose sums are the same on any number.
+    constexpr int piece = 120;
+    if (below < 3 * piece) {
+        top.template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(
+            bottom);
+        U.template selfadjointView<Eigen::Lower>().rankUpdate(bottom, Scalar(-1));
+        return;
+    }
+    const int pieces = (below + piece - 1) / piece;
+    tbb::parallel_for(0, pieces, [&](int p) {
+        auto rows = bottom.middleRows(p * piece, std::min(piece, below - p * piece));
+        top.template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(
+            rows);
+    });
+    tbb::parallel_for(0, pieces, [&](int p) {
+        const int first = p * piece, size = std::min(piece, below - first), rest = below - first - size;
+        const auto rows = bottom.middleRows(first, size);
+        U.block(first, first, size, size)
+            .template selfadjointView<Eigen::Lower>()
+            .rankUpdate(rows, Scalar(-1));
+        if (rest > 0) {
+            U.block(first + size, first, rest, size).noalias() -= bottom.bottomRows(rest) * rows.transpose();
+        }
+    });
+}
+
+template <class Scalar>
+template <class F>
+void Multifrontal<Scalar>::for_children(int s, const F& visit) {
+    constexpr long worth_a_task = 20000;
+    std::vector<int> large;
+    for (int c : nodes[s].children) {
+        if (nodes[c].subtree_work > worth_a_task) large.push_back(c);
+    }
+    if (large.size() > 1) {
+        tbb::task_group group;
+        for (int c : large) group.run([c, &visit] { visit(c); });
+        group.wait();
+    } else {
+        for (int c : large) visit(c);
+    }
+    for (int c : nodes[s].children) {
+        if (nodes[c].subtree_work <= worth_a_task) visit(c);
+    }
+}
+
+template <class Scalar>
+template <class F>
+void Multifrontal<Scalar>::up_tree(int s, const F& visit) {
+    for_children(s, [&](int c) { up_tree(c, visit); });
+    visit(s);
+}
+
+template <class Scalar>
+template <class F>
+void Multifrontal<Scalar>::down_tree(int s, const F& visit) {
+    visit(s);
+    for_children(s, [&](int c) { down_tree(c, visit); });
+}
+
+template <class Scalar>
+bool Multifrontal<Scalar>::factorize(const BlockMatrix& A) {
+    failed = false;
+    for (int root : roots) {
+        if (!failed) {
+            up_tree(root, [&](int s) {
+                if (!failed) factorize_front(s, A);
+            });
+        }
+    }
+    return !failed;
+}
+
+template <class Scalar>
+void Multifrontal<Scalar>::forward(int s) {
+    Node& node = nodes[s];
+    const int width = 3 * node.width;
+    auto& part = node.part;
+    part.setZero(node.factor.rows());
+    part.head(width) = y.segment(3 * node.first, width);
+    for (int c : node.children) {
+        const Node& child = nodes[c];
+        for (std::size_t r = 0; r < child.place_in_parent.size(); ++r) {
+            part.template segment<3>(3 * child.place_in_parent[r]) +=
+                child.part.template segment<3>(static_cast<Eigen::Index>(3 * (child.width + r)));
+        }
+    }
+    auto top = part.head(width);
+    node.factor.topRows(width).template triangularView<Eigen::Lower>().solveInPlace(top);
+    y.segment(3 * node.first, width) = top;
+    if (node.parent < 0) return;
+    const Eigen::Index below = node.factor.rows() - width;
+    part.tail(below).noalias() -= node.factor.bottomRows(below) * top;
+}
+
+template <class Scalar>
+void Multifrontal<Scalar>::backward(int s) {
+    Node& node = nodes[s];
+    const int width = 3 * node.width;
+    auto top = y.segment(3 * node.first, width);
+    if (node.parent >= 0) {
+        const Eigen::Index below = node.factor.rows() - width;
+        auto part = node.part.tail(below);
+        for (std::size_t r = node.width; r < node.rows.size(); ++r) {
+            part.template segment<3>(static_cast<Eigen::Index>(3 * (r - node.width))) =
+                y.template segment<3>(3 * node.rows[r]);
+        }
+        top.noalias() -= node.factor.bottomRows(below).transpose() * part;
+    }
+    node.factor.topRows(width).template triangularView<Eigen::Lower>().transpose().solveInPlace(top);
+}
+
+template <class Scalar>
+void Multifrontal<Scalar>::solve(const VecX& b, VecX& x) {
+    const auto n = static_cast<int>(vertex_at.size());
+    y.resize(3 * n);
+    for (int k = 0; k < n; ++k) {
+        y.template segment<3>(3 * k) = b.segment<3>(3 * vertex_at[k]).template cast<Scalar>();
+    }
+    for (int root : roots) up_tree(root, [&](int s) { forward(s); });
+    for (int root : roots) down_tree(root, [&](int s) { backward(s); });
+    x.setZero(3 * vertex_count);
+    for (int k = 0; k < n; ++k) {
+        x.segment<3>(3 * vertex_at[k]) = y.template segment<3>(3 * k).template cast<double>();
+    }
+}
+
+}  // namespace
+
+SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned, Precision precision) {
+    if (precision == Precision::full) {
+        impl_ = std::make_unique<Multifrontal<double>>(pattern, pinned);
+    } else {
+        impl_ = std::make_unique<Multifrontal<float>>(pattern, pinned);
+    }
+}
+
+SparseSolver::~SparseSolver() = default;
+SparseSolver::SparseSolver(SparseSolver&&) noexcept = default;
+SparseSolver& SparseSolver::operator=(SparseSolver&&) noexcept = default;
+
+bool SparseSolver::factorize(const BlockMatrix& A) {
+    return impl_->factorize(A);
+}
+
+void SparseSolver::solve(const VecX& b, VecX& x) const {
+    impl_->solve(b, x);
+}
+
+}  // namespace cloth

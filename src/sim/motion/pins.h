@@ -1,0 +1,42 @@
+#pragma once
+// Vertices that are held, and where they are held at a time.
+
+#include <optional>
+#include <vector>
+
+#include "sim/algebra/types.h"
+#include "sim/scene/scene.h"
+
+namespace cloth {
+
+/// One [[pin]], its vertices numbered over all cloths.
+struct PinGroup {
+    std::vector<int> vertices;
+    std::vector<Vec3> start;  ///< where each stands at the start [m]
+    Vec3 center;              ///< of the turns [m]
+    std::vector<MotionKey> path;
+    std::optional<double> until;  ///< [s]
+};
+
+/// A vertex and the place where it is held [m].
+struct Pin {
+    int vertex;
+    Vec3 position;
+};
+
+/// Translation and turn of a path at `time`: linear between keys, constant outside of them.
+MotionKey motion_at(const std::vector<MotionKey>& path, double time);
+
+/// Pins of a step that starts at `start` and ends at `end` [s], sorted by vertex; where two groups hold the
+/// same vertex, the first does.
+std::vector<Pin> pins_of_step(const std::vector<PinGroup>& groups, double start, double end);
+
+/// v = 0 at the pins.
+void zero_pinned(const std::vector<Pin>& pins, VecX& v);
+/// x = the place of each pin.
+void place_pinned(const std::vector<Pin>& pins, VecX& x);
+/// way = what each pin has left to go from x.
+void set_pinned_way(const std::vector<Pin>& pins, const VecX& x, VecX& way);
+bool pins_placed(const std::vector<Pin>& pins, const VecX& x);
+
+}  // namespace cloth

@@ -1,0 +1,33 @@
+#pragma once
+// Rest shapes: grids, checks, topology.
+
+#include <string>
+
+#include "sim/algebra/types.h"
+#include "sim/scene/scene.h"
+
+namespace cloth {
+
+/// Vertices row by row from the lower left, x fastest: vertex (i, j) has index j * resolution[0] + i.
+MeshData make_grid(const Grid& grid);
+
+/// Ring k's vertices follow those of ring k - 1, counter-clockwise from the x axis. The triangles are nearly
+/// equilateral.
+MeshData make_disc(const Disc& disc);
+
+/// The cloth's mesh, disc or grid.
+MeshData rest_shape(const ClothDesc& cloth);
+
+/// Refuses what is no cloth: no triangle, an index out of range, a triangle with a repeated corner or
+/// (nearly) no area, the same three corners twice, an edge of more than two triangles, a non-finite
+/// coordinate, a vertex of no triangle. Throws SceneError under `key`, naming the triangle or vertex (counted
+/// from 0).
+void check_cloth_mesh(const MeshData& mesh, const std::string& key);
+
+/// Start positions of a cloth: rest shape or pose, bump, then transform. Shape (n, 3) [m].
+Points start_positions(const ClothDesc& cloth, const MeshData& rest);
+
+/// Rotation about the fixed x, then y, then z axis by degrees; exact for multiples of 90.
+Mat3 rotation_matrix(const Vec3& degrees);
+
+}  // namespace cloth

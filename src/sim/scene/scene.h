@@ -1,0 +1,283 @@
+#pragma once
+// What a user may ask of a simulation: plain structs with a default, a unit and the effect of each field.
+// They hold no file paths and no pictures; src/pipeline/scene_file/scene_file.h fills them from a TOML file.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "sim/algebra/types.h"
+
+namespace cloth {
+
+/// A scene that cannot be simulated. `key` is the dotted place in the scene ("cloth[0].fabric.density").
+class SceneError : public std::runtime_error {
+  public:
+    SceneError(std::string key_path, const std::string& message)
+        : std::runtime_error(message), key(std::move(key_path)) {}
+    std::string key;
+};
+
+/// How a sheet resists stretch and shear in its plane.
+enum class MembraneKind {
+    corotational,         ///< the assignment's, μ Σ (s_i - 1)² + λ/2 (s_0 + s_1 - 2)²
+    st_venant_kirchhoff,  ///< quadratic in the Green strain; the one that knows warp and weft
+    neo_hookean,          ///< stable neo-Hookean; stays finite where a triangle is squeezed flat
+};
+
+/// How a sheet resists bending.
+enum class BendingKind {
+    quadratic,  ///< constant Hessian; the rest shape counts as flat
+    hinges,     ///< by the angles between triangles; curved rest shapes and creases
+};
+
+/// Material of a sheet. Along the warp, across it (the weft) and, for bending, at 45 degrees (the bias).
+struct Fabric {
+    std::string name;         ///< the entry of the fabric table that it came from, if any
+    double density = 0.15;    ///< mass per area of the sheet [kg/m²]
+    double thickness = 1e-3;  ///< multiplies the membrane energy [m]
+    MembraneKind membrane = MembraneKind::corotational;
+    double young_modulus = 1e5;  ///< [Pa]; used with poisson_ratio unless mu and lambda are given
+    double poisson_ratio = 0.3;  ///< in (-1, 1); plane stress: λ = Eν/(1-ν²), μ = E/(2(1+ν))
+    /// st_venant_kirchhoff: young_modulus is the warp's, this is the weft's [Pa]; poisson_ratio is the weft's
+    /// shortening over the warp's stretch, so ν² < E_warp/E_weft.
+    std::optional<double> young_weft;
+    std::optional<double> shear_modulus;  ///< st_venant_kirchhoff: of warp against weft [Pa]; else E/(2(1+ν))
+    std::optional<double> mu;             ///< shear modulus handed to the energy as it is [Pa]
+    std::optional<double> lambda;         ///< second modulus handed to the energy as it is [Pa]
+    /// Principal stretch that no triangle reaches, above 1; the resistance rises from half of the way on.
+    std::optional<double> strain_limit;
+    BendingKind bending_model = BendingKind::quadratic;
+    double bending = 0.0;  ///< bending rigidity D along the warp [N m]; 0: none, as in the assignment
+    std::optional<double> bending_weft;  ///< [N m]; else as along the warp
+    std::optional<double> bending_bias;  ///< [N m]; else such that H = √(warp · weft), see bending_rigidity()
+    /// hinges: curvature beyond which a fold stays, in part [1/m]; none: elastic.
+    std::optional<double> yield_curvature;
+    double membrane_damping = 0.0;  ///< viscous stress = this time × stiffness × strain rate [s]
+    double bending_damping = 0.0;   ///< viscous moment = this time × rigidity × curvature rate [s]
+    double friction = 0.0;          ///< Coulomb coefficient of the fabric
+};
+
+/// How a grid's squares are cut in two.
+enum class Diagonals {
+    uniform,      ///< all in one direction, as the assignment's mesh
+    mirrored,     ///< all in the other direction
+    alternating,  ///< changing from square to square; twists twice as stiffly as it should (bending.h)
+};
+
+/// A flat rectangle in the plane z = 0, centred at the origin, normal +z.
+struct Grid {
+    Vec2 size{1.0, 1.0};                    ///< width along x, height along y [m]
+    std::array<int, 2> resolution{20, 20};  ///< vertices along x and along y, each at least 2
+    Diagonals diagonals = Diagonals::uniform;
+};
+
+/// A flat disc in the plane z = 0, centred at the origin, normal +z: a vertex in the middle and rings of 6,
+/// 12, 18 … vertices around it.
+struct Disc {
+    double radius = 0.15;  ///< [m]
+    int rings = 20;
+};
+
+/// Vertices and triangles as a file gave them; their order is kept.
+struct MeshData {
+    Points positions;     ///< shape (n, 3) [m]
+    Triangles triangles;  ///< shape (m, 3)
+};
+
+/// Applied to a rest shape in the order scale, rotate, translate.
+struct Transform {
+    double scale = 1.0;
+    Vec3 rotate = Vec3::Zero();     ///< turns about the fixed x, then y, then z axis [degree]
+    Vec3 translate = Vec3::Zero();  ///< [m]
+};
+
+/// One sheet: a rest shape and, apart from it, a start pose and velocity.
+struct ClothDesc {
+    std::string name = "cloth";
+    Grid grid;                     ///< rest shape, unless `disc` or `mesh` is given
+    std::optional<Disc> disc;      ///< rest shape
+    std::optional<MeshData> mesh;  ///< rest shape; may be curved
+    std::optional<Points>
+        pose;             ///< start positions before `transform`, shape (n, 3) [m]; default: rest shape
+    Transform transform;  ///< moves rest shape (or pose) to the start
+    Vec3 velocity = Vec3::Zero();  ///< start velocity of the free vertices [m/s]
+    /// Smooth out-of-plane start offset z += amplitude sin(pi (x-x0)/w) sin(pi (y-y0)/h) over the rest
+    /// shape's bounding box, before `transform` [m]; gives a buckling sheet a definite side.
+    double bump = 0.0;
+    Vec3 warp = Vec3::UnitY();  ///< direction of the warp on the rest shape, any length but zero
+    double contact_thickness =
+        1e-3;  ///< of `barrier`: other things stay half of this away from the sheet [m]
+    Fabric fabric;
+
+    /// The grid where it is the rest shape, else null.
+    const Grid* rest_grid() const { return disc || mesh ? nullptr : &grid; }
+};
+
+enum class Shape { sphere, plane, box, capsule, cylinder, mesh };
+
+/// Where a moving thing stands at a time: turned about a centre, then shifted.
+struct MotionKey {
+    double time = 0.0;              ///< [s]
+    Vec3 translate = Vec3::Zero();  ///< [m]
+    Vec3 rotate = Vec3::Zero();     ///< turns about the fixed x, then y, then z axis [degree]
+};
+
+/// A body that cloth meets. The velocity filter and penalty contact know spheres and planes at rest.
+struct ColliderDesc {
+    std::string name = "collider";
+    Shape shape = Shape::sphere;
+    Vec3 center = Vec3::Zero();    ///< where the shape's origin stands; plane: a point on it [m]
+    Vec3 normal = Vec3::UnitY();   ///< plane: outward normal, any length but zero
+    double radius = 0.25;          ///< sphere, capsule, cylinder: radius as drawn [m]
+    double height = 0.5;           ///< capsule, cylinder: length of the axis, along y before `rotate` [m]
+    Vec3 size{0.5, 0.5, 0.5};      ///< box: edge lengths [m]
+    std::optional<MeshData> mesh;  ///< mesh: open or closed, any triangles
+    double scale = 1.0;            ///< mesh: applied before `rotate`
+    Vec3 rotate = Vec3::Zero();    ///< box, capsule, cylinder, mesh: about the fixed x, y, z axes [degree]
+    std::vector<MotionKey> path;   ///< moves the body, turning it about `center`; empty: at rest
+    Vec3 spin = Vec3::Zero();     ///< steady turn about `center`, before `path`'s: axis times rate [degree/s]
+    double contact_offset = 0.0;  ///< contact begins this far outside the drawn surface [m]
+    std::optional<double> contact_radius;  ///< sphere: contact begins this far from the centre instead [m]
+    double friction = 0.0;  ///< Coulomb coefficient; `barrier` takes the geometric mean with the fabric's
+    bool enabled = true;    ///< whether it is on at the start
+    bool drawn = true;
+    bool touchable = true;  ///< false: only drawn, cloth passes through
+};
+
+/// Some of a cloth's vertices; exactly one selection is given. Coordinates are those of the start pose.
+struct VertexSelection {
+    std::vector<int> vertices;               ///< indices into the cloth's vertices
+    std::optional<std::array<Vec3, 2>> box;  ///< all vertices in the closed box [m]
+    std::optional<Vec3> nearest;             ///< the vertex nearest this point [m]
+    std::optional<std::string> greatest;     ///< "x", "y", "z", "-x", …: within tolerance of the extreme
+    std::optional<std::string> edge;         ///< of a grid: "left", "right", "bottom", "top"
+    double tolerance = 1e-3;                 ///< for `greatest` [m]
+};
+
+/// Holds vertices where they start, or moves them along keys.
+struct PinDesc : VertexSelection {
+    int cloth = 0;
+    std::vector<MotionKey> path;  ///< linear between keys, constant outside; empty: at rest
+    std::optional<Vec3> center;   ///< of the turns [m]; default: the mean of the vertices held
+    std::optional<double> until;  ///< lets go at this time [s]
+};
+
+/// Sews two rows of vertices together: springs whose rest length shrinks from the start distance to zero.
+struct SeamDesc {
+    /// Vertices in the order listed, or in that of the cloth's indices.
+    struct Side : VertexSelection {
+        int cloth = 0;
+    };
+    std::array<Side, 2> sides;  ///< as many vertices on both
+    bool reverse = false;       ///< the second side in the opposite order
+    double begin = 0.0;         ///< closing starts [s]
+    double close_time = 1.0;    ///< and takes this long [s]
+    double stiffness = 1e3;     ///< of each spring [N/m]
+};
+
+/// The air that a cloth moves in: still, or a wind with gusts.
+struct AirDesc {
+    double density = 1.2;      ///< [kg/m³]
+    double drag = 0.0;         ///< coefficient C_D of a triangle's projected area; 0: no air
+    double lift = 0.0;         ///< coefficient C_L, at most C_D
+    Vec3 wind = Vec3::Zero();  ///< mean [m/s]
+    double gusts = 0.0;        ///< root mean square of each gust component [m/s]
+    double gust_length = 1.0;  ///< longest wave of the gusts [m]
+    std::uint32_t seed = 1;    ///< of the gusts
+};
+
+/// A recorded mouse drag. At the first key's time it picks vertices through the camera; until the last key's
+/// time each picked vertex is pulled by a spring of rest length 0 towards the place where it was picked plus
+/// the way that the pointer has gone since, measured in the plane of the picked point.
+struct DragDesc {
+    struct Key {
+        double time;  ///< [s]
+        Vec2 pixel;   ///< x to the right, y down from the top left corner of the viewport [pixel]
+    };
+    std::vector<Key> path;
+    double radius = 0.1;                 ///< vertices this near the picked one are picked too [m]
+    double stiffness = 1e5;              ///< of each spring [N/m]
+    Vec2 viewport{1280, 720};            ///< the window the pixels refer to [pixel]
+    Mat4 view = Mat4::Identity();        ///< world → camera, camera looks along -z
+    Mat4 projection = Mat4::Identity();  ///< camera → clip, OpenGL convention
+};
+
+enum class IntegratorKind {
+    linearly_implicit_euler,  ///< the assignment's: one linear solve with its Hessian
+    implicit_euler,           ///< first order, dissipative; minimises the incremental potential by Newton
+    tr_bdf2,                  ///< second order, little dissipation: trapezoidal rule, then BDF2; two solves
+    implicit_midpoint,        ///< second order, conserves momentum, no dissipation: ringing stays
+};
+
+enum class Switch { on, off, toggle };
+
+/// Something that changes at a time: the assignment's `c` key (a collider) or `n` key (the integrator).
+struct EventDesc {
+    double time = 0.0;                         ///< applies from the first step that starts at or after it [s]
+    std::optional<int> collider;               ///< index into Scene::colliders
+    Switch action = Switch::toggle;            ///< for a collider
+    bool toggle_integrator = false;            ///< switch to the other integrator
+    std::optional<IntegratorKind> integrator;  ///< switch to this one
+};
+
+/// Which Hessian an energy gives.
+enum class HessianKind {
+    assignment,  ///< (dF/dq)ᵀ ψ'' (dF/dq), eigenvalues below 1e-6 set to 1e-3
+    projected,   ///< exact, projected to positive semi-definite in closed form
+    exact,       ///< second derivative; may be indefinite
+};
+
+/// How cloth meets colliders.
+enum class ContactKind {
+    velocity_filter,  ///< the assignment's: filters velocities, leaves positions alone
+    penalty,          ///< stiff layer of contact_offset around each collider, solved with the step
+    barrier,          ///< nothing ever passes through anything: cloth, itself and colliders, with friction
+};
+
+struct SimulationDesc {
+    Vec3 gravity{0.0, -9.81, 0.0};  ///< [m/s²]
+    double frame_rate = 60.0;       ///< frames per second of simulated time; frame k stands at k / frame_rate
+    /// Largest step [s]; each frame is cut into the fewest equal steps that are no longer. Unless `substeps`.
+    std::optional<double> time_step;
+    std::optional<int> substeps;  ///< steps per frame, instead of time_step
+    IntegratorKind integrator = IntegratorKind::linearly_implicit_euler;
+    HessianKind hessian = HessianKind::assignment;  ///< of linearly_implicit_euler: assignment or projected
+    ContactKind contact = ContactKind::velocity_filter;
+    double contact_stiffness = 100.0;  ///< of `penalty`, per vertex [N/m]
+    /// Friction is in full force above this speed [m/s]; default: 1e-3 for `penalty`, 1e-5 for `barrier`.
+    std::optional<double> sliding_speed;
+    double contact_activation = 1e-3;  ///< of `barrier`: gap at which repulsion begins [m]
+    int newton_iterations = 100;       ///< most Newton iterations of one solve
+    double newton_tolerance = 1e-6;    ///< residual |g| / |g at the step's start| at which Newton stops
+    /// Of `barrier`: Newton stops as well after a step in which no vertex goes farther than this speed's way
+    /// in a time step, where the force left on each cloth as a whole would change its mean velocity by less
+    /// than a hundredth of it [m/s]; 0: by the residual alone.
+    double newton_speed = 0.03;
+    int retries = 8;  ///< times that a step which does not converge is halved before the run stops
+    AirDesc air;
+
+    /// Steps per frame that the fields above amount to.
+    int steps_per_frame() const;
+    /// Length of one step [s].
+    double step_size() const { return 1.0 / (frame_rate * steps_per_frame()); }
+};
+
+struct Scene {
+    std::string name;
+    SimulationDesc simulation;
+    std::vector<ClothDesc> cloths;
+    std::vector<ColliderDesc> colliders;
+    std::vector<PinDesc> pins;
+    std::vector<SeamDesc> seams;
+    std::vector<DragDesc> drags;
+    std::vector<EventDesc> events;
+};
+
+/// Checks ranges and references; throws SceneError with the key, the value, the range and the unit.
+void validate(const Scene& scene);
+
+}  // namespace cloth
