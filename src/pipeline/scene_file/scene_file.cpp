@@ -1131,15 +1131,16 @@ class Reader {
         }
     }
 
-    void override_key(const std::string& setting) {
+    void override_key(const Override& wanted) {
+        const std::string &setting = wanted.setting, &given = wanted.given;
         const std::size_t equals = setting.find('=');
         if (equals == setting.npos || equals == 0) {
-            refuse_scene(fmt::format("--set {}: must be KEY=VALUE", setting));
+            refuse_scene(fmt::format("{}: must be KEY=VALUE", given));
         }
         const std::string text = setting.substr(equals + 1);
         const std::string key = setting.substr(0, setting.find_last_not_of(' ', equals - 1) + 1);
         auto refuse = [&](const std::string& message) {
-            refuse_scene(fmt::format("--set {}: {}: {}", setting, key, message));
+            refuse_scene(fmt::format("{}: {}: {}", given, key, message));
         };
 
         // a.b[2].c → steps "a", "b", 2, "c"; a list without an index means its first entry.
@@ -1178,7 +1179,7 @@ class Reader {
                 break;
             }
             if (list) {
-                const std::size_t wanted = index.value_or(0);
+                const std::size_t number = index.value_or(0);
                 if (plain == "light" && !table->contains(name))
                     table->insert(name, toml::array{toml::table{}});
                 if (plain == "light" && table->get(name)->is_table()) {
@@ -1186,12 +1187,12 @@ class Reader {
                 } else {
                     toml::array* array = table->get_as<toml::array>(name);
                     const std::size_t count = array ? array->size() : 0;
-                    if (wanted >= count || !array->get(wanted)->is_table()) {
+                    if (number >= count || !array->get(number)->is_table()) {
                         refuse(fmt::format("the scene has {} [[{}]], counted from 0", count, name));
                     }
-                    table = array->get(wanted)->as_table();
+                    table = array->get(number)->as_table();
                 }
-                path += (path.empty() ? "" : ".") + fmt::format("{}[{}]", name, wanted);
+                path += (path.empty() ? "" : ".") + fmt::format("{}[{}]", name, number);
             } else {
                 if (!table->contains(name)) table->insert(name, toml::table{});
                 if (toml::node* word = table->get(name); plain == "cloth.fabric" && word->is_string()) {
@@ -1205,7 +1206,7 @@ class Reader {
             }
             begin = end + 1;
         }
-        overridden_[path] = setting;
+        overridden_[path] = given;
     }
 
     /// Reads a table's values by its fields; `nested` lists keys that are tables of their own.
@@ -1302,7 +1303,7 @@ class Reader {
             if (same && (owner.empty() || path.size() > owner.size())) owner = path;
         }
         if (!owner.empty()) {
-            refuse_scene(fmt::format("--set {}: {}: {}", overridden_[owner], key, message));
+            refuse_scene(fmt::format("{}: {}: {}", overridden_[owner], key, message));
         }
         refuse_scene(fmt::format("{}:{}:{}: {}: {}", label_, std::max<unsigned>(1, place.begin.line),
                                  std::max<unsigned>(1, place.begin.column), key, message));
@@ -1348,7 +1349,7 @@ class Reader {
     std::string label_;
     fs::path folder_;
     toml::table root_;
-    std::map<std::string, std::string> overridden_;  ///< full key → KEY=VALUE as given
+    std::map<std::string, std::string> overridden_;  ///< full key → as the user typed it
 };
 
 std::string entry(const char* table, std::size_t index) {

@@ -50,9 +50,17 @@ struct SceneFile {
     std::string resolved;  ///< TOML of this scene with every default written out; loads to the same
 };
 
-/// One `--set KEY=VALUE`; VALUE is a TOML value (a bare word counts as a string). `cloth.mesh` reaches the
-/// first entry of the table, `cloth[1].mesh` any other.
-using Overrides = std::vector<std::string>;
+/// KEY=VALUE over what the file says; VALUE is a TOML value (a bare word counts as a string). `cloth.mesh`
+/// reaches the first entry of the table, `cloth[1].mesh` any other. Messages about the value begin with
+/// `given`, as the user typed it: "--frames 0"; by default "--set KEY=VALUE".
+struct Override {
+    std::string setting, given;
+    Override(const char* key_is_value) : Override(std::string(key_is_value)) {}
+    Override(std::string key_is_value) : setting(std::move(key_is_value)), given("--set " + setting) {}
+    Override(std::string key_is_value, std::string as_typed)
+        : setting(std::move(key_is_value)), given(std::move(as_typed)) {}
+};
+using Overrides = std::vector<Override>;
 
 /// A scene by name (looked up in `scene_folders()`) or by path. Meshes are found relative to the scene file,
 /// then to the working folder. Throws Error(invalid_scene); an unknown name is answered with the nearest
