@@ -271,7 +271,7 @@ Overrides overrides(const Arguments& args) {
     for (const std::string& each : args.set)
         if (each.find('=') == std::string::npos || each.front() == '=')
             refuse(fmt::format("--set {}: give KEY=VALUE, as in cloth.resolution=40", each));
-    Overrides list = args.set;
+    Overrides list(args.set.begin(), args.set.end());
     if (!args.size.empty()) {
         const auto [width, height] = picture_size(args.size);
         list.push_back(fmt::format("output.size=[{}, {}]", width, height));

@@ -1762,7 +1762,7 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const f
                       const Overrides& overrides) {
     Reader reader(label, folder);
     reader.parse(text);
-    for (const std::string& setting : overrides) reader.override_key(setting);
+    for (const Override& each : overrides) reader.override_key(each);
 
     Document d;
     d.light = LightEntry();

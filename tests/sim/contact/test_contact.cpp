@@ -8,6 +8,7 @@
 #include "sim/contact/barrier_contact.h"
 #include "sim/contact/contact_system.h"
 #include "sim/contact/overlap.h"
+#include "sim/shapes/shapes.h"
 #include "sim/simulation.h"
 #include "support/energy_battery.h"
 
