@@ -18,8 +18,8 @@ namespace cloth {
 
 class SparseSolver {
   public:
-    /// Of the factor: `half` takes half the time and memory, for preconditioners.
-    enum class Precision { full, half };
+    /// Of the factor: `single` takes half the time and memory, for preconditioners.
+    enum class Precision { full, single };
 
     /// `pinned`: sorted vertices whose rows and columns are left out.
     SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned,

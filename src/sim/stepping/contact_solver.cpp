@@ -124,14 +124,14 @@ class Minimization {
         for (Mat3& block : w_.extra.blocks) block *= h2_;
     }
 
-    /// In half precision while that serves: as a preconditioner it is as good and takes half the time.
+    /// In single precision while that serves: as a preconditioner it is as good and takes half the time.
     bool factorize(bool semidefinite) {
         const Stopwatch watch(times_.factorization);
         ++report_.factorizations;
-        factor_ = half_ ? &*w_.half : &solver_;
+        factor_ = single_ ? &*w_.single : &solver_;
         if (factor_->factorize(w_.system)) return true;
-        if (!half_ || !semidefinite) return false;
-        half_ = false;
+        if (!single_ || !semidefinite) return false;
+        single_ = false;
         factor_ = &solver_;
         return factor_->factorize(w_.system);
     }
@@ -207,8 +207,8 @@ class Minimization {
             w_.direction.setZero(x.size());
             if (!factorize(exact == 0.0)) continue;
             Cg cg = conjugate_gradients(tolerance, most_cg);
-            if (cg == Cg::slow && half_) {
-                half_ = false;
+            if (cg == Cg::slow && single_) {
+                single_ = false;
                 if (!factorize(exact == 0.0)) continue;
                 cg = conjugate_gradients(tolerance, most_cg);
             }
@@ -292,8 +292,8 @@ class Minimization {
     ContactTimes& times_;
     double h2_;
     SparseSolver* factor_ = nullptr;
-    bool half_ = true;   ///< half precision has served so far
-    bool slow_ = false;  ///< the last step was slower than newton_speed
+    bool single_ = true;  ///< single precision has served so far
+    bool slow_ = false;   ///< the last step was slower than newton_speed
     double rz_at_zero_ = 0.0;
 };
 

@@ -27,7 +27,7 @@ struct ContactProblem {
 
 /// Memory of the solves.
 struct ContactWorkspace {
-    std::optional<SparseSolver> half;  ///< of half precision, the same vertices left out as in the other
+    std::optional<SparseSolver> single;  ///< of single precision, the same vertices left out as in the other
     BlockMatrix system, exact, projected;
     ExtraBlocks extra;
     VecX gradient, rhs, direction, product, residual, preconditioned, conjugate, trial, momentum, start;
@@ -50,7 +50,7 @@ struct ContactSolveReport {
 /// 3. Newton's method. Each step is shortened to what continuous collision detection says is free, then by
 ///    Armijo's rule. The linear system is solved by conjugate gradients on the whole matrix, preconditioned
 ///    by a Cholesky factor of its part within the fixed pattern (all but the blocks that couple the two sides
-///    of a contact), in half precision where that serves.
+///    of a contact), in single precision where that serves.
 ///    It ends at the residual asked for, or after a step slower than the scene's newton_speed once no cloth
 ///    as a whole is left with a force that matters: inner forces cancel in it, so what is left is missing
 ///    impact, weight or friction, which a stiff contact would hide from the size of the step.

@@ -78,7 +78,7 @@ void leave_out(const Model& model, const std::vector<Pin>& pins, Workspace& w) {
     for (const Pin& pin : pins) vertices.push_back(pin.vertex);
     if (vertices == w.pinned) return;
     w.solver = SparseSolver(model.pattern, vertices);
-    if (w.contact) w.contact_work.half.emplace(model.pattern, vertices, SparseSolver::Precision::half);
+    if (w.contact) w.contact_work.single.emplace(model.pattern, vertices, SparseSolver::Precision::single);
     w.pinned = std::move(vertices);
 }
 
@@ -490,7 +490,7 @@ Workspace::Workspace(const Model& model)
     if (model.scene.simulation.contact == ContactKind::barrier) {
         contact.emplace(make_contact_system(model));
         contact->bind(model.pattern);
-        contact_work.half.emplace(model.pattern, pinned, SparseSolver::Precision::half);
+        contact_work.single.emplace(model.pattern, pinned, SparseSolver::Precision::single);
     }
 }
 
