@@ -35,19 +35,18 @@ struct Supernode {
     long subtree_work = 0;  ///< rough flops below and here, to decide what is worth a task
 };
 
-/// Columns of a supernode may be padded with zeros up to this share to merge it with its parent: fewer,
-/// larger fronts are faster than the flops that they save.
+/// Whether a child may be padded with zeros to be merged with its parent: fewer, larger fronts are faster
+/// than the flops that they save. `filled`: entries of L in both that are no padding. Padding of earlier
+/// merges counts as what it is, or it would grow without bound along a narrow strip.
 template <class Scalar>
-bool worth_merging(const Supernode<Scalar>& child, const Supernode<Scalar>& parent) {
+bool worth_merging(const Supernode<Scalar>& child, const Supernode<Scalar>& parent, double filled) {
     if (child.first + child.width != parent.first) return false;
-    const double rows_merged = child.width + static_cast<double>(parent.rows.size());
-    const double width_merged = child.width + parent.width;
-    const double before = static_cast<double>(child.width) * static_cast<double>(child.rows.size()) +
-                          static_cast<double>(parent.width) * static_cast<double>(parent.rows.size());
-    const double zeros = width_merged * rows_merged - before - 0.5 * child.width * parent.width;
-    if (width_merged <= 4) return zeros <= 0.8 * before;
-    if (width_merged <= 16) return zeros <= 0.3 * before;
-    return zeros <= 0.08 * before;
+    const double height = child.width + static_cast<double>(parent.rows.size());
+    const double width = child.width + parent.width;
+    const double zeros = width * height - 0.5 * width * (width - 1.0) - filled;
+    if (width <= 4) return zeros <= 0.8 * filled;
+    if (width <= 16) return zeros <= 0.3 * filled;
+    return zeros <= 0.08 * filled;
 }
 
 }  // namespace
@@ -209,12 +208,18 @@ Multifrontal<Scalar>::Multifrontal(const BlockPattern& pattern, const std::vecto
     // Merge a supernode into its parent where they are neighbours and little is padded. From the top down in
     // postorder the last child of a parent is the one that touches it.
     std::vector<bool> gone(found.size(), false);
+    std::vector<double> filled;  // entries of L, shape (supernodes)
+    for (const Node& node : found) {
+        const auto width = static_cast<double>(node.width), height = static_cast<double>(node.rows.size());
+        filled.push_back(width * height - 0.5 * width * (width - 1.0));
+    }
     for (int s = static_cast<int>(found.size()) - 1; s >= 0; --s) {
         Node& child = found[s];
         if (static_cast<int>(child.rows.size()) == child.width) continue;
         const int p = node_of[child.rows[child.width]];
         Node& up = found[p];
-        if (!worth_merging(child, up)) continue;
+        if (!worth_merging(child, up, filled[s] + filled[p])) continue;
+        filled[p] += filled[s];
         std::vector<int> rows(child.rows.begin(), child.rows.begin() + child.width);
         rows.insert(rows.end(), up.rows.begin(), up.rows.end());
         up.first = child.first;
