@@ -2,12 +2,20 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "pipeline/formats/error.h"
-#include "pipeline/scene_file/scene_file.h"
 #include "sim/energies/bending.h"
 #include "sim/scene/fabrics.h"
 
 namespace cloth::pipeline {
+
+std::string unknown_fabric(const std::string& name) {
+    std::vector<std::string> known;
+    for (const NamedFabric& f : named_fabrics()) known.push_back(f.fabric.name);
+    const std::string near = nearest_word(name, known);
+    return fmt::format("there is no fabric \"{}\"; {}known: {}", name,
+                       near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), join(known));
+}
 
 std::string fabric_table() {
     // Stiffness as E h, bending as the textile trade states them.

@@ -12,4 +12,8 @@ std::string fabric_table();
 /// name.
 std::string fabric_sources(const std::string& name = "");
 
+/// What to say of a fabric that the table (sim/scene/fabrics.h) does not have: the nearest name and all known
+/// ones.
+std::string unknown_fabric(const std::string& name);
+
 }  // namespace cloth::pipeline

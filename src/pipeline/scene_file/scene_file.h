@@ -74,9 +74,6 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const s
 /// Every key of a scene file with its type, unit, range, default and meaning, table by table.
 std::string key_reference();
 
-/// What to say of a fabric that the table (sim/fabrics.h) does not have: the nearest name and all known ones.
-std::string unknown_fabric(const std::string& name);
-
 /// Where scenes are looked for: $CLOTH_ASSETS/scenes, then assets/scenes of the source tree.
 std::vector<std::filesystem::path> scene_folders();
 /// Name and description of every scene there, sorted by name.
