@@ -9,6 +9,7 @@
 // mu and lambda are in Pa, `volume` is area times thickness [m³] (the assignment's thickness is 1, so there
 // it is the area).
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -59,6 +60,34 @@ Mat9 d2V_membrane_corotational_dq2_unfixed(const Mat3& dphi, const Vec9& q9, dou
 
 /// The same after the assignment's eigenvalue fix: eigenvalues below 1e-6 are set to 1e-3.
 Mat9 d2V_membrane_corotational_dq2(const Mat3& dphi, const Vec9& q9, double volume, double mu, double lambda);
+
+/// A singular value decomposition F = U diag(S) Vᵀ and its derivatives by every entry of F. As in the
+/// assignment the last two indices are those of F's entry: dU[a][b](i, j) = ∂U_ab/∂F_ij, shape (3, 3, 3, 3),
+/// dV likewise, and dS[k](i, j) = ∂S_k/∂F_ij, shape (3, 3, 3).
+struct SvdDerivatives {
+    Mat3 U;
+    Vec3 S;
+    Mat3 V;
+    std::array<std::array<Mat3, 3>, 3> dU;
+    std::array<Mat3, 3> dS;
+    std::array<std::array<Mat3, 3>, 3> dV;
+};
+
+/// With A = Uᵀ E_ij V, E_ij being 1 at (i, j) and 0 elsewhere: ∂S_k = A_kk, ∂U = U X, ∂V = V Y, X and Y
+/// antisymmetric, and for each pair k < l (Papadopoulo and Lourakis 2000, Estimating the Jacobian of the
+/// singular value decomposition, whose two equations these solve by their sum and their difference)
+///     X_kl + Y_kl = (A_kl + A_lk) / (S_l - S_k),     X_kl - Y_kl = (A_kl - A_lk) / (S_k + S_l).
+///
+/// Signs: S is not negative and falls; U and V are orthogonal, of either determinant, and the derivatives are
+/// those of the branch through this U and V. Whoever turns the sign of column k of both U and V, as to make
+/// them rotations, has to turn column k of ∂U and ∂V too; S and ∂S stay. Where S_k is 0, ∂S_k is that of the
+/// smooth branch, which becomes negative on one side.
+///
+/// Where S_k = S_l (to 1e-10 of S_0) the two columns of U and V may turn together as they like, and where
+/// both are 0 against each other: those turns have no derivative and are taken as 0, the smallest that solves
+/// the equations. A function of F that is smooth there needs the limit in their place: for ψ the Hessian's
+/// (ψ_k - ψ_l)/(S_k - S_l) → ψ_kk - ψ_kl, which is 2 mu.
+SvdDerivatives dsvd(const Mat3& F);
 
 /// Spring energy V = ½ k (|q1 - q0| - l0)² [J]; k in N/m, lengths in m.
 double V_spring_particle_particle(const Vec3& q0, const Vec3& q1, double l0, double stiffness);

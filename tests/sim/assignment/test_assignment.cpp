@@ -68,6 +68,55 @@ double hessian_scale(const Case& c) {
     return c.area * mu * c.dphi.squaredNorm();
 }
 
+Vec9 row_major(const Mat3& m) {
+    const Mat3 transposed = m.transpose();
+    return transposed.reshaped();
+}
+
+/// ∂U, ∂S, ∂V by F_ij.
+struct ByEntry {
+    Mat3 dU;
+    Vec3 dS;
+    Mat3 dV;
+};
+ByEntry derivatives(const SvdDerivatives& d, int i, int j) {
+    ByEntry e;
+    for (int a = 0; a < 3; ++a) {
+        e.dS(a) = d.dS[a](i, j);
+        for (int b = 0; b < 3; ++b) {
+            e.dU(a, b) = d.dU[a][b](i, j);
+            e.dV(a, b) = d.dV[a][b](i, j);
+        }
+    }
+    return e;
+}
+
+/// U, S and V of F, on the branch of the decomposition `d` of a matrix near it: columns point the way that
+/// they do there, and a singular value is negative where only one of its columns had to be turned.
+VecX branch_entries(const SvdDerivatives& d, const Mat3& F) {
+    const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Mat3 U = svd.matrixU(), V = svd.matrixV();
+    Vec3 S = svd.singularValues();
+    for (int k = 0; k < 3; ++k) {
+        const double u = U.col(k).dot(d.U.col(k)) < 0.0 ? -1.0 : 1.0;
+        const double v = V.col(k).dot(d.V.col(k)) < 0.0 ? -1.0 : 1.0;
+        U.col(k) *= u;
+        V.col(k) *= v;
+        S(k) *= u * v;
+    }
+    VecX entries(21);
+    entries << U.reshaped(), S, V.reshaped();
+    return entries;
+}
+
+/// df/dx by central differences of 8th order.
+VecX central_difference(const std::function<VecX(double)>& f, double x, double h) {
+    auto difference = [&](int k) -> VecX { return f(x + k * h) - f(x - k * h); };
+    return (4.0 / 5.0 * difference(1) - 1.0 / 5.0 * difference(2) + 4.0 / 105.0 * difference(3) -
+            1.0 / 280.0 * difference(4)) /
+           h;
+}
+
 /// Difference steps must stay small against the thinnest direction.
 double step(const Case& c) {
     return 2e-3 * std::min(1.0 / c.dphi.norm(), 0.02 * 0.05);
@@ -193,6 +242,112 @@ TEST_CASE("the eigenvalue fix lifts eigenvalues below 1e-6 to 1e-3 and keeps the
         std::sort(expected.data(), expected.data() + 9);
         const Vec9 got = Eigen::SelfAdjointEigenSolver<Mat9>(0.5 * (after + after.transpose())).eigenvalues();
         CHECK((got - expected).norm() < 1e-11 * scale);
+    }
+}
+
+TEST_CASE("the assignment's formula for the Hessian, with dsvd, is the closed form", "[assignment]") {
+    // ∂/∂F_ij ∂ψ/∂F = ∂U dS Vᵀ + U diag(ds_ij) Vᵀ + U dS ∂Vᵀ. The third stretch is 1: pairs with it are equal
+    // where a stretch is 1, and the two others where the triangle is stretched equally.
+    int equal_pairs = 0;
+    for (const Case& c : cases()) {
+        CAPTURE(c.name);
+        const SvdDerivatives d = dsvd(deformation_gradient(c.dphi, c.q9));
+        const Vec3 dpsi = 2.0 * mu * (d.S.array() - 1.0) + lambda * (d.S.sum() - 3.0);
+        const Mat3 d2psi = 2.0 * mu * Mat3::Identity() + lambda * Mat3::Ones();
+        Mat9 psi_FF;
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                const auto [dU, dS, dV] = derivatives(d, i, j);
+                Mat3 dP = dU * dpsi.asDiagonal() * d.V.transpose() +
+                          d.U * (d2psi * dS).asDiagonal() * d.V.transpose() +
+                          d.U * dpsi.asDiagonal() * dV.transpose();
+                // Where two stretches are equal ∂U and ∂V leave a turn out, which ψ meets with 2 mu.
+                Mat3 limit = Mat3::Zero();
+                for (int k = 0; k < 3; ++k) {
+                    for (int l = k + 1; l < 3; ++l) {
+                        if (d.S(k) - d.S(l) > 1e-10 * d.S(0)) continue;
+                        ++equal_pairs;
+                        limit(k, l) = limit(l, k) = mu * (d.U(i, k) * d.V(j, l) + d.U(i, l) * d.V(j, k));
+                    }
+                }
+                dP += d.U * limit * d.V.transpose();
+                psi_FF.col(3 * i + j) = row_major(dP);
+            }
+        }
+        const Mat9 B = deformation_gradient_dq(c.dphi, c.q9);
+        const Mat9 H = c.area * B.transpose() * psi_FF * B;
+        const Mat9 closed = d2V_membrane_corotational_dq2_unfixed(c.dphi, c.q9, c.area, mu, lambda);
+        CHECK((H - closed).norm() < 1e-9 * closed.norm());
+        CHECK(H != closed);  // two routes
+    }
+    CHECK(equal_pairs >= 9);
+}
+
+TEST_CASE("derivatives of the singular value decomposition agree with differences", "[assignment]") {
+    std::mt19937 random(17);
+    for (const Vec3& S : {Vec3(1.7, 1.1, 0.4), Vec3(1.2, 1.0, 0.03), Vec3(1.0 + 1e-3, 1.0, 0.5),
+                          Vec3(1.4, 0.7 + 1e-5, 0.7), Vec3(1.0 + 1e-4, 1.0, 1.0 - 1e-4), Vec3(1.3, 0.8, 0.0),
+                          Vec3(1.3, 2e-4, 0.0), Vec3(2e-6, 1e-6, 5e-7), Vec3(3e5, 2e5, 1e2)}) {
+        CAPTURE(S.transpose());
+        const Mat3 F = random_rotation(random) * S.asDiagonal() * random_rotation(random);
+        const SvdDerivatives d = dsvd(F);
+        CHECK((d.U * d.S.asDiagonal() * d.V.transpose() - F).norm() < 1e-14 * S(0));
+        // Steps are small against the gap to the nearest neighbour, to the mirror image of S_1 too.
+        const double gap = std::min({S(0) - S(1), S(1) - S(2), S(1) + S(2)});
+        const double step = 2e-3 * gap, error = 1e-9 + 1e-14 * S(0) / step;
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                auto entries = [&](double f) {
+                    Mat3 moved = F;
+                    moved(i, j) = f;
+                    return branch_entries(d, moved);
+                };
+                const VecX numerical = central_difference(entries, F(i, j), step);
+                const auto [dU, dS, dV] = derivatives(d, i, j);
+                const Vec9 u = numerical.head<9>(), v = numerical.tail<9>();
+                CHECK((dS - numerical.segment<3>(9)).norm() < error);
+                CHECK((dU.reshaped() - u).norm() < error / gap);
+                CHECK((dV.reshaped() - v).norm() < error / gap);
+                CHECK(u.norm() + v.norm() > 0.0);
+                CHECK(dU.reshaped() != u);
+            }
+        }
+    }
+}
+
+TEST_CASE("equal and zero singular values: what has a derivative is right, free turns are 0",
+          "[assignment]") {
+    std::mt19937 random(19);
+    for (const Vec3& S : {Vec3(1.2, 1.2, 0.5), Vec3(1.2, 0.5, 0.5), Vec3(1, 1, 1), Vec3(1.5, 0, 0),
+                          Vec3(0.7, 0.7, 0), Vec3(0, 0, 0)}) {
+        CAPTURE(S.transpose());
+        const Mat3 F = random_rotation(random) * S.asDiagonal() * random_rotation(random);
+        const SvdDerivatives d = dsvd(F);
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                const auto [dU, dS, dV] = derivatives(d, i, j);
+                const Mat3 X = d.U.transpose() * dU, Y = d.V.transpose() * dV;
+                CHECK((X + X.transpose()).norm() < 1e-14 * (1.0 + X.norm()));
+                CHECK((Y + Y.transpose()).norm() < 1e-14 * (1.0 + Y.norm()));
+                // Uᵀ dF V without the part that turns cannot bring about.
+                Mat3 A = d.U.row(i).transpose() * d.V.row(j);
+                for (int k = 0; k < 3; ++k) {
+                    for (int l = k + 1; l < 3; ++l) {
+                        const bool equal = S(k) == S(l), zero = S(k) + S(l) == 0.0;
+                        const double symmetric = equal ? 0.0 : 0.5 * (A(k, l) + A(l, k));
+                        const double rotation = zero ? 0.0 : 0.5 * (A(k, l) - A(l, k));
+                        if (equal) CHECK(std::abs(X(k, l) + Y(k, l)) < 1e-14);
+                        if (zero) CHECK(std::abs(X(k, l) - Y(k, l)) < 1e-14);
+                        A(k, l) = symmetric + rotation;
+                        A(l, k) = symmetric - rotation;
+                    }
+                }
+                const Mat3 dF = dU * d.S.asDiagonal() * d.V.transpose() +
+                                d.U * dS.asDiagonal() * d.V.transpose() +
+                                d.U * d.S.asDiagonal() * dV.transpose();
+                CHECK((d.U.transpose() * dF * d.V - A).norm() < 1e-13);
+            }
+        }
     }
 }
 
