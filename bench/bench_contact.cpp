@@ -148,11 +148,7 @@ int main(int argc, char** argv) {
         const FrameReport report = simulation.advance_frame();
         const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         seconds += took;
-        sum.iterations += report.iterations;
-        sum.cg_iterations += report.cg_iterations;
-        sum.factorizations += report.factorizations;
-        sum.retries += report.retries;
-        sum.contact_times += report.contact_times;
+        merge(sum, report);
         const VecX& x = simulation.state().positions;
         const VecX& v = simulation.state().velocities;
         const auto heights = x.reshaped(3, x.size() / 3).row(1);

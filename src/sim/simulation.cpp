@@ -55,28 +55,8 @@ StepReport Simulation::step() {
 FrameReport Simulation::advance_frame() {
     FrameReport frame;
     for (int s = 0; s < impl_->model.steps_per_frame; ++s) {
-        const StepReport step_report = step();
-        if (s == 0) frame.energy_before = step_report.energy_before;
-        frame.energy_after = step_report.energy_after;
-        frame.converged = frame.converged && step_report.converged;
-        frame.placed = frame.placed && step_report.placed;
-        frame.iterations += step_report.iterations;
-        frame.retries += step_report.retries;
-        frame.residual = std::max(frame.residual, step_report.residual);
-        frame.largest_stretch = s == 0 ? step_report.largest_stretch
-                                       : std::max(frame.largest_stretch, step_report.largest_stretch);
-        frame.contacts = std::max(frame.contacts, step_report.contacts);
-        frame.smallest_gap = std::min(frame.smallest_gap, step_report.smallest_gap);
-        frame.placements += step_report.placements;
-        frame.cg_iterations += step_report.cg_iterations;
-        frame.factorizations += step_report.factorizations;
-        frame.contact_times += step_report.contact_times;
-        ++frame.steps;
-        if (!step_report.converged) {
-            frame.non_finite_vertex = step_report.non_finite_vertex;
-            frame.worst_vertex = step_report.worst_vertex;
-            return frame;
-        }
+        merge(frame, step());
+        if (!frame.converged) return frame;
     }
     frame.frame = ++impl_->state.frame;
     return frame;

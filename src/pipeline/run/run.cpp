@@ -313,7 +313,7 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
     report["times_s"] = times_json(summary.times);
     if (file.scene.simulation.contact == ContactKind::barrier) {
         ContactTimes sum;
-        for (const FrameRecord& record : summary.records) sum += record.report.contact_times;
+        for (const FrameRecord& record : summary.records) merge(sum, record.report.contact_times);
         report["contact_times_s"] = {{"detection", sum.detection},
                                      {"assembly", sum.assembly},
                                      {"factorization", sum.factorization},

@@ -1,36 +1,22 @@
 #include "sim/stepping/contact_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "base/stopwatch.h"
 #include "sim/stepping/line_search.h"
 
 namespace cloth {
 namespace {
 
-/// Adds the time until its end.
-class Stopwatch {
-  public:
-    explicit Stopwatch(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
-    ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-    Stopwatch(const Stopwatch&) = delete;
-
-  private:
-    using Clock = std::chrono::steady_clock;
-    double& seconds_;
-    Clock::time_point start_;
-};
-
 class Minimization {
   public:
-    Minimization(const ContactProblem& problem, SparseSolver& solver, ContactWorkspace& w,
-                 ContactSolveReport& report)
+    Minimization(const ContactProblem& problem, SparseSolver& solver, ContactWorkspace& w, StepReport& report)
         : p_(problem),
           solver_(solver),
           w_(w),
           report_(report),
-          times_(report.times),
+          times_(report.contact_times),
           h2_(problem.h * problem.h) {}
 
     bool run(VecX& x) {
@@ -40,7 +26,7 @@ class Minimization {
         if (!report_.placed) return false;
         double value = objective(x);
         {
-            const Stopwatch watch(times_.detection);
+            const TimedScope watch(times_.detection);
             w_.trial = x + p_.contact.truncated(x, way_to_guess(x));
         }
         if (const double guess = objective(w_.trial); guess < value) {
@@ -52,7 +38,7 @@ class Minimization {
         bool converged = norm <= options.newton_tolerance * scale;
         for (int k = 0; !converged && k < options.newton_iterations; ++k) {
             if (!direction(x, norm, scale)) break;
-            ++report_.newton_iterations;
+            ++report_.iterations;
             converged = w_.direction.cwiseAbs().maxCoeff() < 1e-14 * extent;
             if (converged) break;
             slow_ = w_.direction.cwiseAbs().maxCoeff() < options.newton_speed * p_.h;
@@ -77,7 +63,7 @@ class Minimization {
 
   private:
     double objective(const VecX& at) {
-        const Stopwatch watch(times_.evaluation);
+        const TimedScope watch(times_.evaluation);
         w_.residual = at - p_.y;
         multiply(p_.model.pattern, p_.model.mass, w_.residual, w_.momentum);
         double value = 0.5 / h2_ * w_.residual.dot(w_.momentum);
@@ -88,7 +74,7 @@ class Minimization {
 
     /// Leaves -h² ∇Φ of the free vertices in rhs; gives |∇Φ|.
     double gradient(const VecX& at) {
-        const Stopwatch watch(times_.evaluation);
+        const TimedScope watch(times_.evaluation);
         w_.gradient.setZero(at.size());
         p_.potential.gradient(at, w_.gradient);
         p_.contact.add_gradient(at, w_.gradient);
@@ -113,7 +99,7 @@ class Minimization {
     }
 
     void assemble(const VecX& x, HessianKind kind, HessianKind slides = HessianKind::projected) {
-        const Stopwatch watch(times_.assembly);
+        const TimedScope watch(times_.assembly);
         w_.system.reset(p_.model.pattern);
         p_.potential.hessian(x, kind, w_.system);
         p_.contact.add_hessian(x, HessianKind::projected, slides, w_.system, w_.extra);
@@ -126,7 +112,7 @@ class Minimization {
 
     /// In single precision while that serves: as a preconditioner it is as good and takes half the time.
     bool factorize(bool semidefinite) {
-        const Stopwatch watch(times_.factorization);
+        const TimedScope watch(times_.factorization);
         ++report_.factorizations;
         factor_ = single_ ? &*w_.single : &solver_;
         if (factor_->factorize(w_.system)) return true;
@@ -137,7 +123,7 @@ class Minimization {
     }
 
     double largest_share(const VecX& x, const VecX& d) const {
-        const Stopwatch watch(times_.detection);
+        const TimedScope watch(times_.detection);
         return p_.contact.largest_share(x, d);
     }
 
@@ -153,7 +139,7 @@ class Minimization {
     /// it, is `tolerance` of what it is at d = 0. In the residual's own norm one stiff contact would hide the
     /// rest.
     Cg conjugate_gradients(double tolerance, int most) {
-        const Stopwatch watch(times_.solution);
+        const TimedScope watch(times_.solution);
         VecX &d = w_.direction, &r = w_.residual, &z = w_.preconditioned, &q = w_.conjugate;
         apply(d, r);
         r = w_.rhs - r;
@@ -278,7 +264,7 @@ class Minimization {
     }
 
     double share_placing(const VecX& x, const VecX& d) const {
-        const Stopwatch watch(times_.detection);
+        const TimedScope watch(times_.detection);
         return p_.contact.largest_share_placing(x, d);
     }
 
@@ -288,7 +274,7 @@ class Minimization {
     const ContactProblem& p_;
     SparseSolver& solver_;
     ContactWorkspace& w_;
-    ContactSolveReport& report_;
+    StepReport& report_;
     ContactTimes& times_;
     double h2_;
     SparseSolver* factor_ = nullptr;
@@ -299,9 +285,9 @@ class Minimization {
 
 }  // namespace
 
-ContactSolveReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
-                                         ContactWorkspace& w) {
-    ContactSolveReport report;
+StepReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
+                                 ContactWorkspace& w) {
+    StepReport report;
     report.converged = Minimization(problem, solver, w, report).run(x);
     return report;
 }

@@ -9,8 +9,8 @@
 #include "sim/contact/barrier_contact.h"
 #include "sim/model.h"
 #include "sim/motion/pins.h"
-#include "sim/stepping/contact_times.h"
 #include "sim/stepping/potential.h"
+#include "sim/stepping/step_report.h"
 
 namespace cloth {
 
@@ -33,15 +33,6 @@ struct ContactWorkspace {
     VecX gradient, rhs, direction, product, residual, preconditioned, conjugate, trial, momentum, start;
 };
 
-struct ContactSolveReport {
-    bool converged = false;
-    bool placed = true;  ///< pins and colliders got to where they go
-    int newton_iterations = 0, cg_iterations = 0, factorizations = 0, placements = 0;
-    double residual = 0.0;  ///< |∇Φ| / |∇Φ at the start|
-    int worst_vertex = -1;
-    ContactTimes times;
-};
-
 /// From the allowed positions x to the minimum.
 ///
 /// 1. Pins and colliders go to where they are at the stage's end, together with what the cloth's stiffness
@@ -54,7 +45,7 @@ struct ContactSolveReport {
 ///    It ends at the residual asked for, or after a step slower than the scene's newton_speed once no cloth
 ///    as a whole is left with a force that matters: inner forces cancel in it, so what is left is missing
 ///    impact, weight or friction, which a stiff contact would hide from the size of the step.
-ContactSolveReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
-                                         ContactWorkspace& w);
+StepReport minimize_with_contact(const ContactProblem& problem, SparseSolver& solver, VecX& x,
+                                 ContactWorkspace& w);
 
 }  // namespace cloth

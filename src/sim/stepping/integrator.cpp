@@ -194,21 +194,15 @@ bool minimize_among_barriers(const Model& model, const State& state, const Stage
     const auto& colliders = model.scene.colliders;
     w.contact->begin(x, problem.slide_from, problem.h, placements_at(colliders, problem.from),
                      placements_at(colliders, problem.to), touched_colliders(model, state));
-    const ContactSolveReport solve = minimize_with_contact(
+    StepReport solve = minimize_with_contact(
         {model, problem.potential, *w.contact, problem.pins, problem.h, problem.y, problem.force}, w.solver,
         x, w.contact_work);
-    report.iterations += solve.newton_iterations;
-    report.placements += solve.placements;
-    report.cg_iterations += solve.cg_iterations;
-    report.factorizations += solve.factorizations;
-    report.contact_times += solve.times;
-    report.residual = std::max(report.residual, solve.residual);
-    if (solve.worst_vertex >= 0) report.worst_vertex = solve.worst_vertex;
-    report.placed = solve.placed;
-    if (!solve.converged) return false;
-    report.contacts = std::max(report.contacts, w.contact->contact_count(x));
-    report.smallest_gap = std::min(report.smallest_gap, w.contact->smallest_gap(x));
-    return true;
+    if (solve.converged) {
+        solve.contacts = w.contact->contact_count(x);
+        solve.smallest_gap = w.contact->smallest_gap(x);
+    }
+    merge(report, solve);
+    return solve.converged;
 }
 
 /// Root of the sum of the squared diagonal blocks' traces.
@@ -440,24 +434,16 @@ bool step_by(const Model& model, State& state, double dt, int halvings, Workspac
         }
         return false;
     }();
-    report.iterations += attempt.iterations;
-    report.placements += attempt.placements;
-    report.cg_iterations += attempt.cg_iterations;
-    report.factorizations += attempt.factorizations;
-    report.contact_times += attempt.contact_times;
-    report.contacts = std::max(report.contacts, attempt.contacts);
     if (converged) {
-        report.smallest_gap = std::min(report.smallest_gap, attempt.smallest_gap);
-        report.residual = std::max(report.residual, attempt.residual);
+        merge(report, attempt);
         state.time += dt;
         return true;
     }
     if (halvings == 0) {
-        report.residual = std::max(report.residual, attempt.residual);
-        report.worst_vertex = attempt.worst_vertex;
-        report.placed = attempt.placed;
+        merge(report, attempt);
         return false;
     }
+    merge_work(report, attempt);
     ++report.retries;
     return step_by(model, state, 0.5 * dt, halvings - 1, w, report) &&
            step_by(model, state, 0.5 * dt, halvings - 1, w, report);
