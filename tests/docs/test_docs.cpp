@@ -49,7 +49,7 @@ TEST_CASE("the README is short enough to be read", "[docs]") {
     CHECK(std::count(text.begin(), text.end(), '\n') <= 150);
 }
 
-TEST_CASE("the architecture's page has every room of the house", "[docs]") {
+TEST_CASE("the architecture's page has every room that stands", "[docs]") {
     const std::string page = read_text(root / "docs/architecture.md"),
                       list = read_text(root / "scripts/rooms.cmake");
     int rooms = 0;
@@ -60,7 +60,9 @@ TEST_CASE("the architecture's page has every room of the house", "[docs]") {
         std::istringstream words(list.substr(begin, list.find(')', begin) - begin));
         std::string room;
         for (words >> room; words >> room;) {
-            if (room.starts_with("${")) continue;
+            const bool stands = fs::exists(root / "src" / room) || fs::exists(root / "src" / (room + ".h")) ||
+                                fs::exists(root / room) || fs::exists(root / (room + ".cpp"));
+            if (!stands) continue;
             ++rooms;
             INFO(room);
             CHECK(page.find("| `" + room + "` |") != std::string::npos);
