@@ -25,8 +25,8 @@ inline const Names<MembraneKind> membrane_names{{"corotational", MembraneKind::c
                                                 {"neo_hookean", MembraneKind::neo_hookean}};
 inline const Names<BendingKind> bending_names{{"quadratic", BendingKind::quadratic},
                                               {"hinges", BendingKind::hinges}};
-inline const Names<HessianKind> hessian_names{{"assignment", HessianKind::assignment},
-                                              {"projected", HessianKind::projected}};
+inline const Names<LinearHessian> hessian_names{{"assignment", LinearHessian::assignment},
+                                                {"projected", LinearHessian::projected}};
 inline const Names<ContactKind> contact_names{{"velocity_filter", ContactKind::velocity_filter},
                                               {"penalty", ContactKind::penalty},
                                               {"barrier", ContactKind::barrier}};

@@ -12,6 +12,13 @@
 
 namespace cloth {
 
+/// Which Hessian an energy gives.
+enum class HessianKind {
+    assignment,  ///< the membrane's as the assignment has it (LinearHessian), projected for all others
+    projected,   ///< exact, projected to positive semi-definite in closed form
+    exact,       ///< second derivative; may be indefinite
+};
+
 class Energy {
   public:
     virtual ~Energy() = default;

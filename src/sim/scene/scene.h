@@ -224,11 +224,10 @@ struct EventDesc {
     std::optional<IntegratorKind> integrator;  ///< switch to this one
 };
 
-/// Which Hessian an energy gives.
-enum class HessianKind {
+/// Hessian of linearly_implicit_euler's one solve.
+enum class LinearHessian {
     assignment,  ///< (dF/dq)ᵀ ψ'' (dF/dq), eigenvalues below 1e-6 set to 1e-3
     projected,   ///< exact, projected to positive semi-definite in closed form
-    exact,       ///< second derivative; may be indefinite
 };
 
 /// How cloth meets colliders.
@@ -245,7 +244,7 @@ struct SimulationDesc {
     std::optional<double> time_step;
     std::optional<int> substeps;  ///< steps per frame, instead of time_step
     IntegratorKind integrator = IntegratorKind::linearly_implicit_euler;
-    HessianKind hessian = HessianKind::assignment;  ///< of linearly_implicit_euler: assignment or projected
+    LinearHessian hessian = LinearHessian::assignment;  ///< of linearly_implicit_euler
     ContactKind contact = ContactKind::velocity_filter;
     double contact_stiffness = 100.0;  ///< of `penalty`, per vertex [N/m]
     /// Friction is in full force above this speed [m/s]; default: 1e-3 for `penalty`, 1e-5 for `barrier`.

@@ -155,7 +155,9 @@ bool step_linearly_implicit(const Model& model, State& state, double dt, const s
     const StagePotential stage(model, state, step, start, w);
     const FilterOfStep filter(model, state, report);
     if (stage.penalty) report.contacts = std::max(report.contacts, stage.penalty->contact_count());
-    assemble_system(model, stage.potential, state.positions, dt, options.hessian, w.system);
+    const HessianKind kind =
+        options.hessian == LinearHessian::assignment ? HessianKind::assignment : HessianKind::projected;
+    assemble_system(model, stage.potential, state.positions, dt, kind, w.system);
     stage.potential.gradient(state.positions, w.gradient);
     multiply(model.pattern, model.mass, state.velocities, w.rhs);
     w.rhs -= dt * w.gradient;

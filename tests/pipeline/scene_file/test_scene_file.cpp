@@ -437,7 +437,7 @@ TEST_CASE("every key reaches its field", "[scene_file]") {
     CHECK(!s.time_step);
     CHECK(s.substeps == 3);
     CHECK(s.integrator == IntegratorKind::implicit_euler);
-    CHECK(s.hessian == HessianKind::projected);
+    CHECK(s.hessian == LinearHessian::projected);
     CHECK(s.contact == ContactKind::penalty);
     CHECK(s.contact_stiffness == 210.0);
     CHECK(s.sliding_speed == 0.002);
@@ -716,7 +716,7 @@ TEST_CASE("the assignment's scenes hold the assignment's numbers", "[scene_file]
         CHECK(s.simulation.steps_per_frame() == 1);
         CHECK(same(s.simulation.step_size(), 0.001));
         CHECK(s.simulation.integrator == IntegratorKind::linearly_implicit_euler);
-        CHECK(s.simulation.hessian == HessianKind::assignment);
+        CHECK(s.simulation.hessian == LinearHessian::assignment);
         CHECK(s.simulation.contact == ContactKind::velocity_filter);
         REQUIRE(s.cloths.size() == 1);
         CHECK(s.cloths[0].grid.size == Vec2(1, 1));

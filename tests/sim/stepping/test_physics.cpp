@@ -119,7 +119,7 @@ TEST_CASE("an unpinned cloth falls like a point mass", "[physics]") {
         Scene scene = free_sheet();
         scene.simulation.integrator = kind;
         // The assignment's eigenvalue fix would act as a slight drag.
-        scene.simulation.hessian = HessianKind::projected;
+        scene.simulation.hessian = LinearHessian::projected;
         scene.simulation.frame_rate = 100.0;
         scene.cloths[0].transform.rotate = Vec3(30, 40, 50);
         Simulation simulation(scene);
@@ -163,7 +163,7 @@ TEST_CASE("a kicked seed sheet follows a literal stepper to 1e-6 m through first
 
 TEST_CASE("without gravity or pins both integrators keep momentum", "[physics]") {
     for (IntegratorKind kind : {IntegratorKind::linearly_implicit_euler, IntegratorKind::implicit_euler}) {
-        for (HessianKind hessian : {HessianKind::assignment, HessianKind::projected}) {
+        for (LinearHessian hessian : {LinearHessian::assignment, LinearHessian::projected}) {
             Scene scene = free_sheet();
             scene.simulation.gravity.setZero();
             scene.simulation.integrator = kind;
@@ -179,8 +179,9 @@ TEST_CASE("without gravity or pins both integrators keep momentum", "[physics]")
             // The assignment's eigenvalue fix adds 1e-3 N/m to an element's translations too; times dt² it
             // acts as a drag of the order 1e-6 on momentum.
             const double tolerance =
-                kind == IntegratorKind::linearly_implicit_euler && hessian == HessianKind::assignment ? 1e-3
-                                                                                                      : 1e-12;
+                kind == IntegratorKind::linearly_implicit_euler && hessian == LinearHessian::assignment
+                    ? 1e-3
+                    : 1e-12;
             CHECK((momentum(simulation) - before).norm() < tolerance);
             CHECK(before.norm() > 0.01);
         }
@@ -236,7 +237,7 @@ TEST_CASE("a linearly implicit step is the first Newton iterate of an implicit o
     // Both solve (M + dt² H) dv = -dt ∇V when the velocity is 0; on a flat sheet at rest H needs no
     // projection.
     Scene scene = seed_scene();
-    scene.simulation.hessian = HessianKind::projected;
+    scene.simulation.hessian = LinearHessian::projected;
     scene.cloths[0].bump = 0.0;
     Simulation linear(scene);
     scene.simulation.integrator = IntegratorKind::implicit_euler;
@@ -348,7 +349,7 @@ TEST_CASE("friction of the filter is bounded by the removed normal velocity", "[
     floor.shape = Shape::plane;
     floor.friction = 0.5;
     scene.colliders.push_back(floor);
-    scene.simulation.hessian = HessianKind::projected;
+    scene.simulation.hessian = LinearHessian::projected;
     Simulation simulation(scene);
     const int n = simulation.model().vertex_count();
     // On the floor each step presses with g dt, so friction takes 0.5 g dt off until the sheet stands.
