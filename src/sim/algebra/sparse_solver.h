@@ -30,6 +30,16 @@ class SparseSolver {
 
     /// False where the matrix is not positive definite (or not finite).
     bool factorize(const BlockMatrix& A);
+    /// What a factorization takes: known from the pattern, counted in scalars, padding with zeros included.
+    struct Statistics {
+        int fronts = 0;
+        int parallel_fronts = 0;  ///< those so large that several threads share one
+        int greatest_front = 0;   ///< rows
+        double entries = 0.0;     ///< of the factor L
+        double flops = 0.0;       ///< multiplications and additions: Σ (entries of a column)²
+    };
+    const Statistics& statistics() const;
+
     /// x = A⁻¹ b on the free vertices; 0 on the pinned ones. Requires a successful factorize(). One call at a
     /// time.
     void solve(const VecX& b, VecX& x) const;
