@@ -5,7 +5,7 @@
 
 set(sim
   base
-  sim/algebra sim/scene sim/assignment sim/motion sim/shapes sim/energies
+  sim/algebra sim/geometry sim/scene sim/assignment sim/motion sim/shapes sim/energies
   sim/model
   sim/contact sim/stepping sim/fields
   sim/simulation)

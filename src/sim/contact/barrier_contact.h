@@ -30,8 +30,8 @@
 
 #include "sim/algebra/types.h"
 #include "sim/contact/broad_phase.h"
-#include "sim/contact/collide.h"
 #include "sim/energies/energy.h"
+#include "sim/geometry/collide.h"
 #include "sim/motion/placement.h"
 
 namespace cloth {

@@ -1,7 +1,6 @@
 #include "sim/contact/broad_phase.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "base/parallel.h"
 
@@ -88,80 +87,58 @@ BroadPhase::BroadPhase(const ContactMesh& mesh, const VecX& positions) {
         of_body[mesh.vertex_body[v]].push_back(s);
     }
 
-    for (std::size_t b = 0; b < of_body.size(); ++b) {
-        const auto& body = of_body[b];
-        Tree tree;
-        if (!body.empty()) {
-            std::vector<Vec3> centres;
-            for (const Simplex& s : body) {
-                Box box;
-                for (int v : s.vertices) {
-                    if (v >= 0) box.add(Vec3(positions.segment<3>(3 * v)));
-                }
-                centres.push_back(0.5 * (box.low + box.high));
+    for (const std::vector<Simplex>& body : of_body) {
+        std::vector<Vec3> centres;
+        for (const Simplex& simplex : body) {
+            Box box;
+            for (int v : simplex.vertices) {
+                if (v >= 0) box.add(Vec3(positions.segment<3>(3 * v)));
             }
-            std::vector<int> order(body.size());
-            std::iota(order.begin(), order.end(), 0);
-            const int first = static_cast<int>(simplices_.size());
-            simplices_.resize(first + body.size());
-            tree.root = build(order, centres, 0, static_cast<int>(body.size()), tree);
-            for (std::size_t i = 0; i < order.size(); ++i) simplices_[first + i] = body[order[i]];
-            for (int n = tree.root; n < static_cast<int>(nodes_.size()); ++n) nodes_[n].first += first;
+            centres.push_back(0.5 * (box.low + box.high));
+        }
+        const BoxTree shape(centres);
+        const int first_simplex = static_cast<int>(simplices_.size());
+        const int first_node = static_cast<int>(nodes_.size());
+        for (int i : shape.order) simplices_.push_back(body[i]);
+        Tree tree;
+        if (!shape.nodes.empty()) tree.root = first_node;
+        for (BoxTree::Node node : shape.nodes) {
+            node.first += first_simplex;
+            if (node.left < 0) {
+                tree.leaves.push_back(static_cast<int>(nodes_.size()));
+            } else {
+                node.left += first_node;
+                node.right += first_node;
+            }
+            nodes_.push_back(node);
         }
         trees_.push_back(tree);
     }
-    simplex_boxes_.resize(simplices_.size());
 }
 
-int BroadPhase::build(std::vector<int>& order, const std::vector<Vec3>& centres, int first, int count,
-                      Tree& tree) {
-    constexpr int leaf_size = 4;
-    const int n = static_cast<int>(nodes_.size());
-    nodes_.push_back({first, count, -1, -1, {}});
-    if (count <= leaf_size) {
-        tree.leaves.push_back(n);
-        return n;
-    }
-    Box box;
-    for (int i = first; i < first + count; ++i) box.add(centres[order[i]]);
-    int axis = 0;
-    (box.high - box.low).maxCoeff(&axis);
-    const int half = count / 2;
-    std::nth_element(order.begin() + first, order.begin() + first + half, order.begin() + first + count,
-                     [&](int i, int j) {
-                         if (centres[i](axis) != centres[j](axis)) return centres[i](axis) < centres[j](axis);
-                         return i < j;
-                     });
-    const int left = build(order, centres, first, half, tree);
-    const int right = build(order, centres, first + half, count - half, tree);
-    nodes_[n].left = left;
-    nodes_[n].right = right;
-    return n;
-}
-
-void BroadPhase::refit(const std::vector<MovingBox>& vertex_boxes) {
+BroadPhase::Boxes BroadPhase::fit(const std::vector<MovingBox>& vertex_boxes) const {
+    Boxes boxes{std::vector<MovingBox>(simplices_.size()), std::vector<MovingBox>(nodes_.size())};
     parallel_for(static_cast<int>(simplices_.size()), [&](int s) {
-        MovingBox box;
         for (int v : simplices_[s].vertices) {
-            if (v >= 0) box.add(vertex_boxes[v]);
+            if (v >= 0) boxes.simplices[s].add(vertex_boxes[v]);
         }
-        simplex_boxes_[s] = box;
     });
     for (int n = static_cast<int>(nodes_.size()) - 1; n >= 0; --n) {
-        Node& node = nodes_[n];
-        node.box = MovingBox();
+        const BoxTree::Node& node = nodes_[n];
+        MovingBox& box = boxes.nodes[n];
         if (node.left < 0) {
-            for (int s = node.first; s < node.first + node.count; ++s) node.box.add(simplex_boxes_[s]);
+            for (int s = node.first; s < node.first + node.count; ++s) box.add(boxes.simplices[s]);
         } else {
-            node.box.add(nodes_[node.left].box);
-            node.box.add(nodes_[node.right].box);
+            box.add(boxes.nodes[node.left]);
+            box.add(boxes.nodes[node.right]);
         }
     }
+    return boxes;
 }
 
 template <class F>
 void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vector<std::uint8_t>& body_on,
-                                       const F& visit) {
+                                       const Boxes& boxes, const F& visit) const {
     // Every leaf against the trees that come after it (and the later leaves of its own tree); one list a
     // leaf.
     std::vector<std::array<int, 2>> tasks;  // body, leaf
@@ -171,7 +148,7 @@ void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vecto
     }
     parallel_for(static_cast<int>(tasks.size()), [&](int task) {
         const auto [body, leaf_number] = tasks[task];
-        const Node& leaf = nodes_[leaf_number];
+        const BoxTree::Node& leaf = nodes_[leaf_number];
         std::array<int, 128> stack;
         for (std::size_t c = body; c < trees_.size(); ++c) {
             if (!body_on[c] || trees_[c].root < 0) continue;
@@ -180,10 +157,11 @@ void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vecto
             int depth = 0;
             stack[depth++] = trees_[c].root;
             while (depth > 0) {
-                const Node& node = nodes_[stack[--depth]];
+                const int number = stack[--depth];
+                const BoxTree::Node& node = nodes_[number];
                 // Simplices are numbered in tree order: what ends before this leaf has met it already.
                 if (same && node.first + node.count <= leaf.first) continue;
-                if (!may_meet(leaf.box, node.box)) continue;
+                if (!may_meet(boxes.nodes[leaf_number], boxes.nodes[number])) continue;
                 if (node.left >= 0) {
                     stack[depth++] = node.right;
                     stack[depth++] = node.left;
@@ -192,7 +170,7 @@ void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vecto
                 for (int s = leaf.first; s < leaf.first + leaf.count; ++s) {
                     for (int r = node.first; r < node.first + node.count; ++r) {
                         if (same && r <= s) continue;
-                        if (may_meet(simplex_boxes_[s], simplex_boxes_[r])) visit(task, s, r);
+                        if (may_meet(boxes.simplices[s], boxes.simplices[r])) visit(task, s, r);
                     }
                 }
             }
@@ -202,8 +180,8 @@ void BroadPhase::for_each_simplex_pair(const ContactMesh& mesh, const std::vecto
 
 std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh,
                                              const std::vector<MovingBox>& vertex_boxes,
-                                             const std::vector<std::uint8_t>& body_on) {
-    refit(vertex_boxes);
+                                             const std::vector<std::uint8_t>& body_on) const {
+    const Boxes boxes = fit(vertex_boxes);
     std::vector<MovingBox> edge_boxes(mesh.edges.size()), face_boxes(mesh.faces.size());
     parallel_for(static_cast<int>(mesh.edges.size()), [&](int e) {
         for (int v : mesh.edges[e]) edge_boxes[e].add(vertex_boxes[v]);
@@ -224,7 +202,7 @@ std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh,
             }
         }
     };
-    for_each_simplex_pair(mesh, body_on, [&](int task, int s_number, int r_number) {
+    for_each_simplex_pair(mesh, body_on, boxes, [&](int task, int s_number, int r_number) {
         const Simplex &s = simplices_[s_number], &r = simplices_[r_number];
         auto& out = found[task];
         vertices_against_face(s, r, out);
@@ -249,12 +227,12 @@ std::vector<PairCandidate> BroadPhase::pairs(const ContactMesh& mesh,
 
 std::vector<std::array<int, 2>> BroadPhase::face_pairs(const ContactMesh& mesh,
                                                        const std::vector<MovingBox>& vertex_boxes,
-                                                       const std::vector<std::uint8_t>& body_on) {
-    refit(vertex_boxes);
+                                                       const std::vector<std::uint8_t>& body_on) const {
+    const Boxes boxes = fit(vertex_boxes);
     std::size_t leaf_count = 0;
     for (const Tree& tree : trees_) leaf_count += tree.leaves.size();
     std::vector<std::vector<std::array<int, 2>>> found(leaf_count);
-    for_each_simplex_pair(mesh, body_on, [&](int task, int s, int r) {
+    for_each_simplex_pair(mesh, body_on, boxes, [&](int task, int s, int r) {
         const int f = simplices_[s].face, g = simplices_[r].face;
         if (f < 0 || g < 0) return;
         for (int v : mesh.faces[f]) {

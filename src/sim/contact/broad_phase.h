@@ -1,36 +1,17 @@
 #pragma once
 // Which pairs may touch: a tree of boxes over each body's simplices. The trees' shapes are built once, from
 // rest positions, where neighbours in the cloth are neighbours in space for the whole run; the boxes are
-// refitted. Of two lists, what both contain stands in the same order.
+// fitted to each question. Of two lists, what both contain stands in the same order.
 
 #include <array>
 #include <compare>
 #include <vector>
 
 #include "sim/algebra/types.h"
-#include "sim/contact/collide.h"
+#include "sim/geometry/box_tree.h"
+#include "sim/geometry/collide.h"
 
 namespace cloth {
-
-struct Box {
-    Vec3 low = Vec3::Constant(1.0 / 0.0), high = Vec3::Constant(-1.0 / 0.0);
-
-    void add(const Vec3& p) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-    }
-    void add(const Box& b) {
-        low = low.cwiseMin(b.low);
-        high = high.cwiseMax(b.high);
-    }
-    void inflate(double r) {
-        low.array() -= r;
-        high.array() += r;
-    }
-    bool contains(const Vec3& p) const {
-        return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
-    }
-};
 
 /// Of points that go straight ways in the same time: where they are at the start and at the end. In between,
 /// the box lies within that of the interpolated bounds.
@@ -95,11 +76,11 @@ class BroadPhase {
     /// Vertex-face and edge-edge pairs whose boxes may meet, each once; of bodies that are on; not of two
     /// colliders and not of pairs that share a vertex. `vertex_boxes`: one per vertex.
     std::vector<PairCandidate> pairs(const ContactMesh& mesh, const std::vector<MovingBox>& vertex_boxes,
-                                     const std::vector<std::uint8_t>& body_on);
+                                     const std::vector<std::uint8_t>& body_on) const;
     /// Faces whose boxes may meet, under the same conditions, as pairs of face numbers.
     std::vector<std::array<int, 2>> face_pairs(const ContactMesh& mesh,
                                                const std::vector<MovingBox>& vertex_boxes,
-                                               const std::vector<std::uint8_t>& body_on);
+                                               const std::vector<std::uint8_t>& body_on) const;
 
   private:
     struct Simplex {
@@ -107,25 +88,21 @@ class BroadPhase {
         std::array<int, 3> owned_vertices{-1, -1, -1}, owned_edges{-1, -1, -1};
         int face = -1;
     };
-    struct Node {
-        int first = 0, count = 0;  ///< simplices below
-        int left = -1, right = -1;
-        MovingBox box;
-    };
     struct Tree {
         int root = -1;
         std::vector<int> leaves;
     };
-    int build(std::vector<int>& order, const std::vector<Vec3>& centres, int first, int count, Tree& tree);
-    void refit(const std::vector<MovingBox>& vertex_boxes);
+    struct Boxes {
+        std::vector<MovingBox> simplices, nodes;
+    };
+    Boxes fit(const std::vector<MovingBox>& vertex_boxes) const;
     template <class F>
     void for_each_simplex_pair(const ContactMesh& mesh, const std::vector<std::uint8_t>& body_on,
-                               const F& visit);
+                               const Boxes& boxes, const F& visit) const;
 
-    std::vector<Simplex> simplices_;  ///< in tree order
-    std::vector<MovingBox> simplex_boxes_;
-    std::vector<Node> nodes_;  ///< children after parents
-    std::vector<Tree> trees_;  ///< one per body
+    std::vector<Simplex> simplices_;    ///< in tree order
+    std::vector<BoxTree::Node> nodes_;  ///< children after parents; `first` counts simplices
+    std::vector<Tree> trees_;           ///< one per body
 };
 
 }  // namespace cloth

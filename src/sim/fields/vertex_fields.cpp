@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 
 #include "base/parallel.h"
-#include "sim/contact/collide.h"
+#include "sim/geometry/collide.h"
 #include "sim/contact/contact.h"
 #include "sim/motion/placement.h"
 #include "sim/scene/mesh.h"

@@ -1,4 +1,4 @@
-#include "sim/contact/collide.h"
+#include "sim/geometry/collide.h"
 
 #include <algorithm>
 #include <cmath>
