@@ -2,24 +2,15 @@
 
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "sim/motion/placement.h"
-#include "sim/scene/mesh.h"
 #include "sim/shapes/shapes.h"
 
 namespace cloth::pipeline {
 
 namespace {
-
-constexpr int sphere_meridians =
-    128;  // chord error 0.03 % of the radius: below a pixel up to 8k pictures' width
-constexpr int sphere_parallels = 64;
-constexpr double plane_half_width = 10.0;  // [m]
-constexpr int plane_cells = 64;            // along a side
-constexpr double plane_grading = 3.9;      // cells of 5 cm at the middle
 
 void append(std::vector<float>& list, const Vec3& v) {
     for (int i = 0; i < 3; ++i) list.push_back(static_cast<float>(v[i]));
@@ -61,12 +52,6 @@ constexpr std::array<RimPoint, 5> rim_profile{{{-3.0, 0.0, 0.0, 1.0},
                                                {0.0, 1.0, 0.0, 1.0},
                                                {0.71, 0.71, 0.71, 0.71},
                                                {1.0, 0.0, 1.0, 0.0}}};
-
-/// A plane that stands still and level, or turns in itself: drawn as the ground, it has no edge.
-bool is_level_floor(const ColliderDesc& collider) {
-    return collider.shape == Shape::plane && collider.path.empty() &&
-           collider.normal.normalized().y() == 1.0 && collider.spin.x() == 0.0 && collider.spin.z() == 0.0;
-}
 
 }  // namespace
 
@@ -159,77 +144,25 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(fi
         cloths_.push_back(std::move(mesh));
     }
     for (const ColliderDesc& collider : model.scene.colliders) {
-        Mesh mesh;
-        if (collider.shape == Shape::sphere || collider.shape == Shape::capsule) {
-            // A capsule is a sphere whose halves stand apart along its axis.
-            const bool capsule = collider.shape == Shape::capsule;
-            const auto ends =
-                capsule ? capsule_ends(collider) : std::array<Vec3, 2>{collider.center, collider.center};
-            const Mat3 turn = capsule ? rotation_matrix(collider.rotate) : Mat3(Mat3::Identity());
-            // Rings from pole to pole; the poles are rings of coinciding vertices.
-            for (int j = 0; j <= sphere_parallels; ++j)
-                for (int i = 0; i < sphere_meridians; ++i) {
-                    const double polar = std::numbers::pi * j / sphere_parallels;
-                    const double azimuth = 2.0 * std::numbers::pi * i / sphere_meridians;
-                    const Vec3 normal = turn * Vec3(std::sin(polar) * std::cos(azimuth), std::cos(polar),
-                                                    -std::sin(polar) * std::sin(azimuth));
-                    append(mesh.positions, ends[2 * j <= sphere_parallels] + collider.radius * normal);
-                    append(mesh.normals, normal);
-                }
-            for (int j = 0; j < sphere_parallels; ++j)
-                for (int i = 0; i < sphere_meridians; ++i) {
-                    const int next = (i + 1) % sphere_meridians;
-                    const int a = j * sphere_meridians + i, b = j * sphere_meridians + next;
-                    const int c = a + sphere_meridians, d = b + sphere_meridians;
-                    if (j > 0) append_triangle(mesh.triangles, a, c, b);
-                    if (j + 1 < sphere_parallels) append_triangle(mesh.triangles, b, c, d);
-                }
-        } else if (collider.shape != Shape::plane) {
-            // Flat shading but for a cylinder's side: corners are not shared.
-            const MeshData surface = collider_surface(collider);
-            const Vec3 axis = rotation_matrix(collider.rotate).col(1);
-            for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-                std::array<Vec3, 3> p;
-                for (int k = 0; k < 3; ++k) p[k] = surface.positions.row(surface.triangles(t, k));
-                const Vec3 flat = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-                for (int k = 0; k < 3; ++k) {
-                    Vec3 normal = flat;
-                    if (collider.shape == Shape::cylinder && std::abs(flat.dot(axis)) < 0.5) {
-                        const Vec3 out = p[k] - collider.center;
-                        normal = (out - axis * axis.dot(out)).normalized();
-                    }
-                    append(mesh.positions, p[k]);
-                    append(mesh.normals, normal);
-                }
-                const int first = static_cast<int>(3 * t);
-                append_triangle(mesh.triangles, first, first + 1, first + 2);
-            }
-        } else {
-            const Vec3 normal = collider.normal.normalized();
-            const Vec3 aside = std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitZ();
-            const Vec3 u = normal.cross(aside).normalized();
-            const Vec3 v = normal.cross(u);
-            // A grid, finest at its middle: vertices carry how much of the sky they see past what lies there.
-            const auto line = [](int i) {
-                const double part = 2.0 * i / plane_cells - 1;
-                return plane_half_width * std::sinh(plane_grading * part) / std::sinh(plane_grading);
-            };
-            for (int j = 0; j <= plane_cells; ++j)
-                for (int i = 0; i <= plane_cells; ++i) {
-                    append(mesh.positions, collider.center + line(i) * u + line(j) * v);
-                    append(mesh.normals, normal);
-                }
-            for (int j = 0; j < plane_cells; ++j)
-                for (int i = 0; i < plane_cells; ++i) {
-                    const int at = j * (plane_cells + 1) + i, above = at + plane_cells + 1;
-                    append_triangle(mesh.triangles, at, at + 1, above + 1);
-                    append_triangle(mesh.triangles, at, above + 1, above);
-                }
+        const Surface surface = make_shape(collider)->surface();
+        Collider drawn;
+        for (Eigen::Index v = 0; v < surface.positions.rows(); ++v) {
+            append(drawn.mesh.positions, surface.positions.row(v));
+            append(drawn.mesh.normals, surface.normals.row(v));
         }
+        for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+            append_triangle(drawn.mesh.triangles, surface.triangles(t, 0), surface.triangles(t, 1),
+                            surface.triangles(t, 2));
+        }
+        drawn.endless = surface.endless;
+        const double up = surface.endless ? surface.normals(0, 1) : 0.0;
+        drawn.floor = up > 0.5;
+        drawn.ground =
+            up == 1.0 && collider.path.empty() && collider.spin.x() == 0.0 && collider.spin.z() == 0.0;
         if (!collider.path.empty() || !collider.spin.isZero(0.0)) {
-            moving_.push_back({static_cast<int>(colliders_.size()), mesh});
+            moving_.push_back({static_cast<int>(colliders_.size()), drawn.mesh});
         }
-        colliders_.push_back(std::move(mesh));
+        colliders_.push_back(std::move(drawn));
     }
 }
 
@@ -270,7 +203,7 @@ render::Frame FrameBuilder::build(const State& state) {
     }
     for (const auto& [c, start] : moving_) {
         const Placement placement = placement_at(model_.scene.colliders[c], state.time);
-        Mesh& mesh = colliders_[c];
+        Mesh& mesh = colliders_[c].mesh;
         for (std::size_t i = 0; i + 2 < start.positions.size(); i += 3) {
             const Vec3 p =
                 placement(Vec3(start.positions[i], start.positions[i + 1], start.positions[i + 2]));
@@ -284,17 +217,18 @@ render::Frame FrameBuilder::build(const State& state) {
     }
     for (std::size_t c = 0; c < colliders_.size(); ++c) {
         const ColliderDesc& collider = model_.scene.colliders[c];
+        const Collider& drawn = colliders_[c];
         if (!collider.drawn || state.collider_on[c] == 0) continue;
         const render::Material& material = file_.collider_looks.at(c).material;
-        if (!frame.ground && is_level_floor(collider)) {
+        if (!frame.ground && drawn.ground) {
             frame.ground = render::Ground{static_cast<float>(collider.center.y()), material.front};
             continue;
         }
-        const Mesh& mesh = colliders_[c];
+        const Mesh& mesh = drawn.mesh;
         frame.surfaces.push_back({mesh.positions, mesh.normals, mesh.triangles, material, false});
-        if (collider.shape != Shape::plane) continue;
+        if (!drawn.endless) continue;
         frame.surfaces.back().casts_shadow = false;  // its metres would take all of the shadow map
-        if (collider.normal.normalized().y() > 0.5) frame.floor_color = material.front;
+        if (drawn.floor) frame.floor_color = material.front;
     }
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
         const Look& look = file_.cloth_looks.at(c);

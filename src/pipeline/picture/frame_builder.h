@@ -41,14 +41,23 @@ class FrameBuilder {
     Rim make_rim(const Subdivision& fine, const Mesh& cloth) const;
     void place_rim(Rim& rim, const Mesh& cloth, double thickness) const;
 
-    const SceneFile& file_;
-    const Model& model_;
+    struct Collider {
+        Mesh mesh;
+        bool endless = false;  ///< a plane
+        bool floor = false;    ///< a plane that faces up
+        /// A plane that stands still and level, or turns in itself: drawn as the ground, it has no edge.
+        bool ground = false;
+    };
     /// A collider that moves, as it stands at the start.
     struct Moving {
         int collider;
         Mesh start;
     };
-    std::vector<Mesh> cloths_, colliders_;
+
+    const SceneFile& file_;
+    const Model& model_;
+    std::vector<Mesh> cloths_;
+    std::vector<Collider> colliders_;
     std::vector<Moving> moving_;
     std::vector<Rim> rims_;                  ///< one per cloth
     std::vector<Subdivision> subdivisions_;  ///< one per cloth

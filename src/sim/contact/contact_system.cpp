@@ -25,33 +25,15 @@ ContactSystem make_contact_system(const Model& model) {
     s.mass.assign(model.vertex_mass.begin(), model.vertex_mass.end());
     for (std::size_t c = 0; c < scene.colliders.size(); ++c) {
         const ColliderDesc& collider = scene.colliders[c];
-        const ContactBody body{true, static_cast<int>(c), contact_reach(collider)};
-        switch (collider.shape) {
-            case Shape::plane:
-                s.planes.push_back({static_cast<int>(c), collider.center, collider.normal.normalized(),
-                                    body.radius, collider.friction});
-                continue;
-            case Shape::sphere:
-                s.mesh.add_body(body, 1, {});
-                rest.push_back(collider.center);
-                break;
-            case Shape::capsule:
-                s.mesh.add_body(body, 2, {}, {{0, 1}});
-                for (const Vec3& end : capsule_ends(collider)) rest.push_back(end);
-                break;
-            default: {
-                const MeshData surface = collider_surface(collider);
-                std::vector<std::array<int, 3>> triangles;
-                for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-                    triangles.push_back(
-                        {surface.triangles(t, 0), surface.triangles(t, 1), surface.triangles(t, 2)});
-                }
-                s.mesh.add_body(body, static_cast<int>(surface.positions.rows()), triangles);
-                for (Eigen::Index v = 0; v < surface.positions.rows(); ++v) {
-                    rest.push_back(surface.positions.row(v));
-                }
-            }
+        const ContactPrimitive primitive = make_shape(collider)->primitive();
+        if (primitive.half_space) {
+            s.planes.push_back({static_cast<int>(c), primitive.half_space->point,
+                                primitive.half_space->normal, primitive.radius, collider.friction});
+            continue;
         }
+        s.mesh.add_body({true, static_cast<int>(c), primitive.radius},
+                        static_cast<int>(primitive.points.size()), primitive.triangles, primitive.segments);
+        rest.insert(rest.end(), primitive.points.begin(), primitive.points.end());
         s.friction.push_back(collider.friction);
     }
     s.rest.resize(3 * rest.size());

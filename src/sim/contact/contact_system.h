@@ -6,8 +6,7 @@
 
 namespace cloth {
 
-/// Cloths and colliders as contact sees them: a sphere is a point and a capsule an edge with a radius, both
-/// exact; a plane is a half-space; the others are their triangles.
+/// Cloths and the primitives of colliders (shapes.h).
 ContactSystem make_contact_system(const Model& model);
 
 }  // namespace cloth

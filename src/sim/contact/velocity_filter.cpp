@@ -3,12 +3,9 @@
 #include <algorithm>
 
 #include "sim/assignment/assignment.h"
+#include "sim/shapes/shapes.h"
 
 namespace cloth {
-
-double contact_radius(const ColliderDesc& sphere) {
-    return sphere.contact_radius.value_or(sphere.radius + sphere.contact_offset);
-}
 
 std::vector<FilterContact> find_filter_contacts(const std::vector<ColliderDesc>& colliders,
                                                 const std::vector<std::uint8_t>& collider_on, const VecX& q) {
@@ -16,26 +13,20 @@ std::vector<FilterContact> find_filter_contacts(const std::vector<ColliderDesc>&
     for (std::size_t c = 0; c < colliders.size(); ++c) {
         if (!collider_on[c]) continue;
         const ColliderDesc& collider = colliders[c];
-        switch (collider.shape) {
-            case Shape::sphere: {
-                const SphereContacts found =
-                    collision_detection_cloth_sphere(q, collider.center, contact_radius(collider));
-                for (std::size_t k = 0; k < found.vertices.size(); ++k) {
-                    contacts.push_back({found.vertices[k], found.normals[k], collider.friction});
+        const ContactPrimitive primitive = make_shape(collider)->primitive();
+        if (primitive.half_space) {
+            const auto& [point, normal] = *primitive.half_space;
+            for (int i = 0; i < q.size() / 3; ++i) {
+                if (normal.dot(q.segment<3>(3 * i) - point) < primitive.radius) {
+                    contacts.push_back({i, normal, collider.friction});
                 }
-                break;
             }
-            case Shape::plane: {
-                const Vec3 normal = collider.normal.normalized();
-                for (int i = 0; i < q.size() / 3; ++i) {
-                    if (normal.dot(q.segment<3>(3 * i) - collider.center) < collider.contact_offset) {
-                        contacts.push_back({i, normal, collider.friction});
-                    }
-                }
-                break;
-            }
-            default:  // validate() lets the filter meet no others
-                break;
+            continue;
+        }
+        const SphereContacts found =
+            collision_detection_cloth_sphere(q, primitive.points.front(), primitive.radius);
+        for (std::size_t k = 0; k < found.vertices.size(); ++k) {
+            contacts.push_back({found.vertices[k], found.normals[k], collider.friction});
         }
     }
     return contacts;

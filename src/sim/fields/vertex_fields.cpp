@@ -7,11 +7,7 @@
 #include <Eigen/Dense>
 
 #include "base/parallel.h"
-#include "sim/geometry/collide.h"
-#include "sim/contact/contact.h"
 #include "sim/motion/placement.h"
-#include "sim/scene/mesh.h"
-#include "sim/shapes/shapes.h"
 
 namespace cloth {
 namespace {
@@ -21,43 +17,6 @@ std::array<double, 2> eigenvalues(const Mat2& m) {
     const double mean = 0.5 * m.trace(), half = 0.5 * (m(0, 0) - m(1, 1));
     const double root = std::sqrt(std::max(half * half + m(0, 1) * m(1, 0), 0.0));
     return {mean + root, mean - root};
-}
-
-/// Distance of a point from a collider where it stands at the start, negative inside; of a mesh without sign.
-double collider_gap(const ColliderDesc& collider, const MeshData& surface, const Vec3& p) {
-    const auto own = [&] {
-        return Vec3(rotation_matrix(collider.rotate).transpose() * (p - collider.center));
-    };
-    const auto outside = [](const auto& d) {  // of a box or of the rectangle that makes a cylinder
-        return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
-    };
-    switch (collider.shape) {
-        case Shape::capsule: {
-            Vec3 q = own();
-            q.y() -= std::clamp(q.y(), -0.5 * collider.height, 0.5 * collider.height);
-            return q.norm() - collider.radius;
-        }
-        case Shape::box:
-            return outside(Vec3(own().cwiseAbs() - 0.5 * collider.size));
-        case Shape::cylinder: {
-            const Vec3 q = own();
-            return outside(
-                Vec2(std::hypot(q.x(), q.z()) - collider.radius, std::abs(q.y()) - 0.5 * collider.height));
-        }
-        case Shape::mesh: {
-            double least = std::numeric_limits<double>::infinity();
-            for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-                const auto corner = [&](int i) {
-                    return Vec3(surface.positions.row(surface.triangles(t, i)));
-                };
-                least = std::min(least,
-                                 nearest_vertex_face({p, corner(0), corner(1), corner(2)}).distance_squared);
-            }
-            return std::sqrt(least);
-        }
-        default:
-            return nearest_surface(collider, p).distance;
-    }
 }
 
 }  // namespace
@@ -82,6 +41,7 @@ VertexFields::VertexFields(const Model& model) : model_(model), densities_(model
     for (std::size_t c = 0; c < model.cloths.size(); ++c)
         densities_.segment(model.cloths[c].first_vertex, model.cloths[c].vertex_count)
             .setConstant(model.scene.cloths[c].fabric.density);
+    for (const ColliderDesc& collider : model.scene.colliders) shapes_.push_back(make_shape(collider));
 }
 
 double VertexFields::curvature(const State& state, int t) const {
@@ -130,13 +90,11 @@ VecX VertexFields::at(VertexField field, const State& state) const {
         values.setConstant(std::numeric_limits<double>::quiet_NaN());
         for (std::size_t c = 0; c < model_.scene.colliders.size(); ++c) {
             if (!state.collider_on[c]) continue;
-            const ColliderDesc& collider = model_.scene.colliders[c];
-            const Placement placement = placement_at(collider, state.time);
-            const MeshData surface = collider.shape == Shape::mesh ? collider_surface(collider) : MeshData();
+            const Placement placement = placement_at(model_.scene.colliders[c], state.time);
             parallel_for(n, [&](int i) {
                 const Vec3 point = state.positions.segment<3>(3 * i);
                 const Vec3 at_start = placement.rotation.transpose() * (point - placement.translation);
-                const double gap = collider_gap(collider, surface, at_start);
+                const double gap = shapes_[c]->distance(at_start).distance;
                 if (!(values(i) <= gap)) values(i) = gap;
             });
         }

@@ -12,12 +12,14 @@
 //                of C⁻¹ dC/dt / 2 the one of greatest magnitude, taken without sign
 // What belongs to triangles is averaged at each vertex over those around it by their rest areas.
 
+#include <memory>
 #include <string_view>
 #include <vector>
 
 #include "sim/energies/bending.h"
 #include "sim/model.h"
 #include "sim/scene/state.h"
+#include "sim/shapes/shapes.h"
 
 namespace cloth {
 
@@ -42,8 +44,9 @@ class VertexFields {
     double curvature(const State& state, int triangle) const;
 
     const Model& model_;
-    std::vector<BendingPatch> patches_;  ///< numbered over all vertices
-    VecX densities_;                     ///< per vertex [kg/m²]
+    std::vector<BendingPatch> patches_;                         ///< numbered over all vertices
+    VecX densities_;                                            ///< per vertex [kg/m²]
+    std::vector<std::unique_ptr<const ColliderShape>> shapes_;  ///< one per collider
 };
 
 }  // namespace cloth

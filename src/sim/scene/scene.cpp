@@ -202,7 +202,7 @@ void validate_collider(const ColliderDesc& c, std::size_t i, bool barrier) {
     require(c.shape != Shape::mesh || c.mesh, item("collider", i, "mesh"),
             "is missing; shape = \"mesh\" needs a file");
     if (barrier || !c.touchable) return;
-    require(c.shape == Shape::sphere || c.shape == Shape::plane, item("collider", i, "shape"),
+    require(has_one_curvature(c.shape), item("collider", i, "shape"),
             "needs contact = \"barrier\"; the others know spheres and planes");
     require(c.path.empty() && c.spin.isZero(0.0), item("collider", i, c.path.empty() ? "spin" : "path"),
             "needs contact = \"barrier\"; the others know colliders at rest");

@@ -119,6 +119,11 @@ struct ClothDesc {
 
 enum class Shape { sphere, plane, box, capsule, cylinder, mesh };
 
+/// Shapes of one curvature everywhere: the velocity filter and penalty contact know these alone.
+constexpr bool has_one_curvature(Shape shape) {
+    return shape == Shape::sphere || shape == Shape::plane;
+}
+
 /// Where a moving thing stands at a time: turned about a centre, then shifted.
 struct MotionKey {
     double time = 0.0;              ///< [s]

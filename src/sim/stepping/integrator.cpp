@@ -4,9 +4,9 @@
 #include <cmath>
 #include <optional>
 
-#include "sim/contact/contact.h"
 #include "sim/contact/contact_system.h"
 #include "sim/contact/overlap.h"
+#include "sim/contact/penalty.h"
 #include "sim/contact/velocity_filter.h"
 #include "sim/energies/drag.h"
 #include "sim/energies/membrane.h"

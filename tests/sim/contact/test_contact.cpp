@@ -107,13 +107,11 @@ int crossing_triangles(const Simulation& simulation) {
     }
     const std::size_t cloth = triangles.size();
     for (const ColliderDesc& collider : model.scene.colliders) {
-        const MeshData surface = collider_surface(collider);
+        const ContactPrimitive primitive = make_shape(collider)->primitive();
         const Placement placement = placement_at(collider, simulation.state().time);
-        for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+        for (const auto& triangle : primitive.triangles) {
             triangles.push_back({});
-            for (int k = 0; k < 3; ++k) {
-                triangles.back()[k] = placement(Vec3(surface.positions.row(surface.triangles(t, k))));
-            }
+            for (int k = 0; k < 3; ++k) triangles.back()[k] = placement(primitive.points[triangle[k]]);
         }
     }
     std::vector<std::array<Vec3, 2>> boxes;
@@ -145,8 +143,8 @@ int points_inside(const Simulation& simulation) {
         const Vec3 center = placement(c.center), normal = placement.rotation * c.normal.normalized();
         std::array<Vec3, 2> ends{center, center};
         if (c.shape == Shape::capsule) {
-            ends = capsule_ends(c);
-            for (Vec3& end : ends) end = placement(end);
+            const ContactPrimitive segment = make_shape(c)->primitive();
+            ends = {placement(segment.points[0]), placement(segment.points[1])};
         }
         if (c.shape != Shape::capsule && c.shape != Shape::sphere && c.shape != Shape::plane) continue;
         const Vec3 axis = ends[1] - ends[0];

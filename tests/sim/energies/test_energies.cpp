@@ -5,7 +5,7 @@
 #include <random>
 
 #include "base/portable_math.h"
-#include "sim/contact/contact.h"
+#include "sim/contact/penalty.h"
 #include "sim/energies/air.h"
 #include "sim/energies/bending.h"
 #include "sim/energies/drag.h"

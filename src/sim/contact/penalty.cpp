@@ -1,26 +1,16 @@
-#include "sim/contact/contact.h"
+#include "sim/contact/penalty.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace cloth {
 
-SurfacePoint nearest_surface(const ColliderDesc& collider, const Vec3& point) {
-    if (collider.shape == Shape::plane) {
-        const Vec3 normal = collider.normal.normalized();
-        return {normal.dot(point - collider.center), normal};
-    }
-    const Vec3 d = point - collider.center;
-    const double r = d.norm();
-    return {r - collider.radius, r > 0.0 ? Vec3(d / r) : Vec3(Vec3::UnitY())};
-}
-
 template <class F>
 void ColliderContactEnergy::for_each_contact(const VecX& x, const F& body) const {
-    for (const ColliderDesc& collider : colliders_) {
+    for (const Collider& collider : colliders_) {
         for (int i = 0; i < x.size() / 3; ++i) {
-            const SurfacePoint s = nearest_surface(collider, x.segment<3>(3 * i));
-            if (s.distance < collider.contact_offset) body(collider, i, s);
+            const SurfacePoint s = collider.shape->distance(x.segment<3>(3 * i));
+            if (s.distance < collider.offset) body(collider, i, s);
         }
     }
 }
@@ -30,18 +20,19 @@ ColliderContactEnergy::ColliderContactEnergy(const std::vector<ColliderDesc>& co
                                              double stiffness, double time_step, double sliding_speed)
     : stiffness_(stiffness), sliding_way_(sliding_speed * time_step) {
     for (std::size_t c = 0; c < colliders.size(); ++c) {
-        if (collider_on[c]) colliders_.push_back(colliders[c]);
+        if (!collider_on[c]) continue;
+        colliders_.push_back({make_shape(colliders[c]), colliders[c].contact_offset, colliders[c].friction});
     }
-    for_each_contact(start, [&](const ColliderDesc& collider, int i, const SurfacePoint& s) {
+    for_each_contact(start, [&](const Collider& collider, int i, const SurfacePoint& s) {
         friction_.push_back({i, s.normal, start.segment<3>(3 * i),
-                             collider.friction * stiffness_ * (collider.contact_offset - s.distance)});
+                             collider.friction * stiffness_ * (collider.offset - s.distance)});
     });
 }
 
 double ColliderContactEnergy::value(const VecX& x) const {
     double sum = 0.0;
-    for_each_contact(x, [&](const ColliderDesc& collider, int, const SurfacePoint& s) {
-        const double depth = collider.contact_offset - s.distance;
+    for_each_contact(x, [&](const Collider& collider, int, const SurfacePoint& s) {
+        const double depth = collider.offset - s.distance;
         sum += 0.5 * stiffness_ * depth * depth;
     });
     for (const Friction& f : friction_) {
@@ -54,8 +45,8 @@ double ColliderContactEnergy::value(const VecX& x) const {
 }
 
 void ColliderContactEnergy::add_gradient(const VecX& x, VecX& g) const {
-    for_each_contact(x, [&](const ColliderDesc& collider, int i, const SurfacePoint& s) {
-        g.segment<3>(3 * i) -= stiffness_ * (collider.contact_offset - s.distance) * s.normal;
+    for_each_contact(x, [&](const Collider& collider, int i, const SurfacePoint& s) {
+        g.segment<3>(3 * i) -= stiffness_ * (collider.offset - s.distance) * s.normal;
     });
     for (const Friction& f : friction_) {
         Vec3 u = x.segment<3>(3 * f.vertex) - f.start;
@@ -65,14 +56,13 @@ void ColliderContactEnergy::add_gradient(const VecX& x, VecX& g) const {
 }
 
 void ColliderContactEnergy::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
-    for_each_contact(x, [&](const ColliderDesc& collider, int i, const SurfacePoint& s) {
+    for_each_contact(x, [&](const Collider& collider, int i, const SurfacePoint& s) {
         Mat3& block = H.blocks[pattern_->diagonal(i)];
         const Mat3 nn = s.normal * s.normal.transpose();
         block += stiffness_ * nn;
-        if (collider.shape == Shape::sphere && kind == HessianKind::exact) {
-            // -k (d̂ - d) d²d/dx², d²d/dx² = (1 - nnᵀ)/r: negative semi-definite, so a projection drops it.
-            const double r = s.distance + collider.radius;
-            block -= stiffness_ * (collider.contact_offset - s.distance) / r * (Mat3::Identity() - nn);
+        if (kind == HessianKind::exact) {
+            // -k (d̂ - d) d²d/dx²: negative semi-definite, so a projection drops it.
+            block -= stiffness_ * (collider.offset - s.distance) / s.level_radius * (Mat3::Identity() - nn);
         }
     });
     for (const Friction& f : friction_) {

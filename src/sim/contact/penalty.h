@@ -7,24 +7,19 @@
 //   start; φ(y) = y - ε/2 for y ≥ ε = ε_v dt, y²/(2ε) below: a Huber potential, so the force is μ f_n once
 //   the vertex slides faster than ε_v and grows in proportion below (Li et al. 2020 smooth it likewise).
 
+#include <memory>
 #include <vector>
 
 #include "sim/algebra/types.h"
 #include "sim/energies/energy.h"
 #include "sim/scene/scene.h"
+#include "sim/shapes/shapes.h"
 
 namespace cloth {
 
-/// Distance of a point from a collider's drawn surface, and the outward normal there.
-struct SurfacePoint {
-    double distance;  ///< negative inside [m]
-    Vec3 normal;
-};
-SurfacePoint nearest_surface(const ColliderDesc& collider, const Vec3& point);
-
 class ColliderContactEnergy final : public Energy {
   public:
-    /// Contact of a step that starts at `start`. `stiffness` per vertex [N/m].
+    /// Contact of a step that starts at `start`, with shapes of one curvature. `stiffness` per vertex [N/m].
     ColliderContactEnergy(const std::vector<ColliderDesc>& colliders,
                           const std::vector<std::uint8_t>& collider_on, const VecX& start, double stiffness,
                           double time_step, double sliding_speed);
@@ -45,10 +40,14 @@ class ColliderContactEnergy final : public Energy {
         Vec3 normal, start;
         double force;  ///< μ f_n [N]
     };
+    struct Collider {
+        std::unique_ptr<const ColliderShape> shape;
+        double offset, friction;  ///< d̂ [m], μ
+    };
     template <class F>
     void for_each_contact(const VecX& x, const F& body) const;
 
-    std::vector<ColliderDesc> colliders_;  ///< those that are on
+    std::vector<Collider> colliders_;  ///< those that are on
     std::vector<Friction> friction_;
     double stiffness_, sliding_way_;
     const BlockPattern* pattern_ = nullptr;
