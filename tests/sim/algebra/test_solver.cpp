@@ -1,4 +1,4 @@
-// The direct solver against dense and Eigen's sparse Cholesky.
+// The direct solver against dense solutions, on small meshes.
 
 #include <catch2/catch.hpp>
 #include <random>
