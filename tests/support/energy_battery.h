@@ -75,11 +75,16 @@ struct Battery {
     double force_scale = 1.0;       ///< [N] for the floor of the gradient's error
     double stiffness_scale = 1.0;   ///< [N/m] for the floor of the Hessian's error
     bool projection_adds = true;    ///< projected - exact ≥ 0; not where a part of either sign is left out
+    bool curved = true;             ///< has second derivatives; not gravity
     bool rigid_motion_free = true;  ///< energies of deformation; not gravity, not springs to a fixed target
 };
 
 /// Runs the battery on `energy` at each state. Tolerances: gradient 1e-9, Hessian by differences of the
 /// gradient 1e-8, of the larger of the scale given and the value's own size.
+///
+/// The check is checked too: at some state the derivatives are far larger than those tolerances (a thousandth
+/// of the scales), and where there are any, the two routes to them differ in their last bits: neither is the
+/// other in disguise.
 inline void check_energy(Energy& energy, int vertex_count, const std::vector<VecX>& states,
                          const Battery& b) {
     std::vector<std::array<int, 2>> pairs;
@@ -98,6 +103,7 @@ inline void check_energy(Energy& energy, int vertex_count, const std::vector<Vec
         return dense(pattern, H);
     };
     std::mt19937 random(7);
+    double largest_gradient = 0.0, largest_hessian = 0.0;
     for (std::size_t k = 0; k < states.size(); ++k) {
         CAPTURE(energy.name(), k);
         const VecX& x = states[k];
@@ -106,12 +112,16 @@ inline void check_energy(Energy& energy, int vertex_count, const std::vector<Vec
             numerical_gradient([&](const VecX& y) { return energy.value(y); }, x, 3e-3 * b.length);
         const double g_scale = std::max(b.force_scale, g.cwiseAbs().maxCoeff());
         CHECK((g - numerical).cwiseAbs().maxCoeff() < 1e-9 * g_scale);
+        CHECK((g.isZero(0.0) || g != numerical));
+        largest_gradient = std::max(largest_gradient, g.cwiseAbs().maxCoeff());
 
         const Eigen::MatrixXd exact = hessian(x, HessianKind::exact);
         const Eigen::MatrixXd H = hessian(x, HessianKind::projected);
         const double H_scale = std::max(b.stiffness_scale, exact.cwiseAbs().maxCoeff());
         const Eigen::MatrixXd differences = numerical_jacobian(gradient, x, 3e-3 * b.length);
         CHECK((exact - differences).cwiseAbs().maxCoeff() < 1e-8 * H_scale);
+        CHECK((exact.isZero(0.0) || exact != differences));
+        largest_hessian = std::max(largest_hessian, exact.cwiseAbs().maxCoeff());
         CHECK((H - H.transpose()).cwiseAbs().maxCoeff() <= 1e-14 * H_scale);
         CHECK(smallest_eigenvalue(H) > -1e-12 * H_scale);
         if (b.projection_adds) CHECK(smallest_eigenvalue(H - exact) > -1e-12 * H_scale);
@@ -129,6 +139,9 @@ inline void check_energy(Energy& energy, int vertex_count, const std::vector<Vec
             CHECK((gradient(moved) - turned).cwiseAbs().maxCoeff() < 1e-11 * g_scale);
         }
     }
+    CAPTURE(energy.name());
+    CHECK(largest_gradient > 1e-3 * b.force_scale);
+    CHECK((largest_hessian > 1e-3 * b.stiffness_scale) == b.curved);
 }
 
 }  // namespace cloth::testing

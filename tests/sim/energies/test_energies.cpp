@@ -169,7 +169,7 @@ TEST_CASE("gravity passes the battery", "[energy]") {
     GravityEnergy energy(masses, Vec3(0.5, -9.81, 0.0));
     VecX x(9);
     x << 1, 2, 3, 4, 5, 6, 7, 8, 9;
-    check_energy(energy, 3, {x}, {.length = 1.0, .rigid_motion_free = false});
+    check_energy(energy, 3, {x}, {.length = 1.0, .curved = false, .rigid_motion_free = false});
     // V = -Σ m g·x
     CHECK(energy.value(x) == Approx(-(0.1 * (0.5 - 19.62) + 0.2 * (2.0 - 49.05) + 0.3 * (3.5 - 78.48))));
 }
