@@ -49,6 +49,21 @@ TEST_CASE("the README is short enough to be read", "[docs]") {
     CHECK(std::count(text.begin(), text.end(), '\n') <= 150);
 }
 
+TEST_CASE("the pages tell of every verb and every flag", "[docs]") {
+    std::string text;
+    for (const fs::path& page : pages()) text += read_text(root / page);
+    for (const auto& [name, verb] : known().verbs) {
+        if (!name.empty() && name != "run") {  // it may be left out
+            INFO(name);
+            CHECK(text.find("render_cloth " + name) != std::string::npos);
+        }
+        for (const std::string& flag : verb.flags) {
+            INFO(name + " " + flag);
+            CHECK((flag == "--help" || text.find(flag) != std::string::npos));
+        }
+    }
+}
+
 TEST_CASE("the architecture's page has every room that stands", "[docs]") {
     const std::string page = read_text(root / "docs/architecture.md"),
                       list = read_text(root / "scripts/rooms.cmake");
