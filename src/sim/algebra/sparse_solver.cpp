@@ -4,12 +4,11 @@
 #include <atomic>
 #include <type_traits>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_group.h>
 #include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
+#include "base/parallel.h"
 #include "sim/algebra/flush_to_zero.h"
 
 namespace cloth {
@@ -351,13 +350,13 @@ void Multifrontal<Scalar>::factorize_front(int s, const BlockMatrix& A) {
         return;
     }
     const int pieces = (below + piece - 1) / piece;
-    tbb::parallel_for(0, pieces, [&](int p) {
+    parallel_tasks(pieces, [&](int p) {
         [[maybe_unused]] const Arithmetic<Scalar> of_this_thread;
         auto rows = bottom.middleRows(p * piece, std::min(piece, below - p * piece));
         top.template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(
             rows);
     });
-    tbb::parallel_for(0, pieces, [&](int p) {
+    parallel_tasks(pieces, [&](int p) {
         [[maybe_unused]] const Arithmetic<Scalar> of_this_thread;
         const int first = p * piece, size = std::min(piece, below - first), rest = below - first - size;
         const auto rows = bottom.middleRows(first, size);
@@ -379,9 +378,7 @@ void Multifrontal<Scalar>::for_children(int s, const F& visit) {
         if (nodes[c].subtree_work > worth_a_task) large.push_back(c);
     }
     if (large.size() > 1) {
-        tbb::task_group group;
-        for (int c : large) group.run([c, &visit] { visit(c); });
-        group.wait();
+        parallel_tasks(static_cast<int>(large.size()), [&](int i) { visit(large[i]); });
     } else {
         for (int c : large) visit(c);
     }

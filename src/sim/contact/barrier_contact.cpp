@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <tbb/parallel_for.h>
 #include <Eigen/Eigenvalues>
 
 #include "base/parallel.h"
@@ -26,7 +25,7 @@ template <class T, class F>
 std::vector<T> collect(int count, const F& find) {
     constexpr int chunk = 512;
     std::vector<std::vector<T>> parts((count + chunk - 1) / chunk);
-    tbb::parallel_for(0, static_cast<int>(parts.size()), [&](int p) {
+    parallel_tasks(static_cast<int>(parts.size()), [&](int p) {
         for (int i = p * chunk; i < std::min(count, (p + 1) * chunk); ++i) find(i, parts[p]);
     });
     std::vector<T> all;
