@@ -8,12 +8,13 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/state_store.h"
+#include "pipeline/golden/golden_page.h"
 #include "pipeline/picture/camera.h"
 #include "pipeline/picture/frame_builder.h"
 #include "pipeline/run/run.h"
@@ -117,10 +118,6 @@ GoldenFacts read_facts(const fs::path& folder) {
     }
 }
 
-std::string bless_command(const std::string& scene) {
-    return "render_cloth bless " + scene;
-}
-
 std::vector<std::int64_t> golden_frames(const SceneFile& file) {
     std::vector<std::int64_t> frames(file.expect.frames.begin(), file.expect.frames.end());
     std::sort(frames.begin(), frames.end());
@@ -150,107 +147,6 @@ std::vector<State> simulate(Simulation& simulation, const std::string& scene,
         }
     }
     return states;
-}
-
-// ---------------------------------------------------------------- report
-
-std::string base64(std::string_view bytes) {
-    static constexpr std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
-        unsigned triple = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            triple = triple << 8 | (k < n ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k) text += k <= n ? digits[triple >> (18 - 6 * k) & 63u] : '=';
-    }
-    return text;
-}
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    return out;
-}
-
-std::string picture_html(const render::Image& image, const std::string& caption) {
-    const std::vector<std::uint8_t> png = render::encode_png(image);
-    const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
-    return fmt::format(
-        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption>"
-        "</figure>\n",
-        escaped(caption), base64(bytes));
-}
-
-const char* word(bool passed) {
-    return passed ? "same" : "DIFFERS";
-}
-
-std::string distance_text(const StateVerdict& verdict) {
-    return verdict.passed && verdict.largest_distance == 0 ? "0"
-                                                           : fmt::format("{:.2e}", verdict.largest_distance);
-}
-
-std::string psnr_text(const ImageVerdict& verdict) {
-    return std::isinf(verdict.difference.psnr) ? "equal" : fmt::format("{:.1f}", verdict.difference.psnr);
-}
-
-/// The page's part of one frame: its pictures are there only while it is made.
-std::string row_html(const GoldenRow& row, const render::Image* golden, const render::Image* actual) {
-    std::string html = fmt::format(
-        "<h2>Frame {}</h2>\n<p>State: <b>{}</b>, distance {} m. {}</p>\n<p>Picture: <b>{}</b>, PSNR {} dB, "
-        "over 2: "
-        "{:.3f} %, over 32: {:.3f} %, worst by {} of 255 at ({}, {}). {}</p>\n",
-        row.frame, word(row.state.passed), distance_text(row.state), escaped(row.state.reason),
-        word(row.image.passed), psnr_text(row.image), 100 * row.image.difference.fraction_over_2,
-        100 * row.image.difference.fraction_over_32, row.image.difference.largest,
-        row.image.difference.worst_x, row.image.difference.worst_y, escaped(row.image.reason));
-    html += "<div class=\"row\">\n";
-    if (golden != nullptr) html += picture_html(*golden, "golden");
-    if (actual != nullptr) html += picture_html(*actual, "actual");
-    if (golden != nullptr && actual != nullptr && row.image.difference.same_size)
-        html += picture_html(render::magnified_difference(*golden, *actual, 16), "difference, times 16");
-    return html + "</div>\n";
-}
-
-void write_page(GoldenResult& result, const std::string& rows, const fs::path& out) {
-    std::error_code failure;
-    fs::create_directories(out, failure);
-    if (failure)
-        throw Error(ExitCode::other, "cannot write to the folder " + out.string() + ": " + failure.message());
-    result.report = out / "golden.html";
-    const std::string title =
-        fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
-    write_file(result.report,
-               fmt::format(
-                   "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
-                   "<style>body{{font:15px sans-serif;margin:2em}}.row{{display:flex;gap:8px;flex-wrap:wrap}}"
-                   "figure{{margin:0}}img{{image-rendering:pixelated}}pre{{background:#eee;padding:1em}}"
-                   "</style></head><body>\n<h1>{0}</h1>\n<table>\n"
-                   "<tr><td>golden build</td><td>{1}</td></tr>\n<tr><td>this build</td><td>{2}</td></tr>\n"
-                   "<tr><td>golden renderer</td><td>{3}</td></tr>\n"
-                   "<tr><td>this renderer</td><td>{4}</td></tr>\n</table>\n<pre>{5}</pre>\n"
-                   "<p>Pictures are drawn from the golden states. If the change is wanted:</p>\n"
-                   "<pre>{6}</pre>\n{7}</body></html>\n",
-                   escaped(title), escaped(result.golden_build), escaped(result.actual_build),
-                   escaped(result.golden_renderer), escaped(result.actual_renderer),
-                   escaped(golden_table(result)), escaped(bless_command(result.scene)), rows));
 }
 
 /// What compare and bless have in common.
@@ -287,35 +183,34 @@ struct Session {
     GoldenResult result;
 };
 
+/// The row of a frame and its part of the page, against what stood there; nothing where the frame is new, or
+/// its old files cannot be read.
+std::optional<std::pair<GoldenRow, std::string>> compared_with_old(const fs::path& golden,
+                                                                   const GoldenFacts& before,
+                                                                   std::int64_t frame, const State& state,
+                                                                   const render::Image& picture,
+                                                                   const GoldenResult& result) {
+    try {
+        const State old_state = read_state(golden_state(golden, frame));
+        const render::Image old_picture = render::read_png(golden_image(golden, frame));
+        GoldenRow row;
+        row.frame = frame;
+        row.state =
+            judge_state(old_state, state, {before.build == result.actual_build, result.state_tolerance});
+        row.image = judge_image(old_picture, picture, before.renderer == result.actual_renderer);
+        std::string html = row_html(row, &old_picture, &picture);
+        return std::pair(std::move(row), std::move(html));
+    } catch (const std::runtime_error&) {
+        return std::nullopt;
+    }
+}
+
 void conclude(GoldenResult& result) {
     result.passed = std::all_of(result.rows.begin(), result.rows.end(),
                                 [](const GoldenRow& row) { return row.state.passed && row.image.passed; });
 }
 
 }  // namespace
-
-std::string golden_table(const GoldenResult& result) {
-    std::string table = fmt::format("{:>7}  {:>10}  {:<8} {:>8}  {:>8}  {:>9}  {}\n", "frame", "state [m]",
-                                    "state", "over 2", "over 32", "PSNR [dB]", "picture");
-    for (const GoldenRow& row : result.rows) {
-        const render::ImageDifference& d = row.image.difference;
-        table += fmt::format("{:>7}  {:>10}  {:<8} {:>6.3f} %  {:>6.3f} %  {:>9}  {}\n", row.frame,
-                             distance_text(row.state), word(row.state.passed), 100 * d.fraction_over_2,
-                             100 * d.fraction_over_32, psnr_text(row.image), word(row.image.passed));
-    }
-    for (const GoldenRow& row : result.rows) {
-        if (!row.state.passed) table += fmt::format("frame {}, state: {}\n", row.frame, row.state.reason);
-        if (!row.image.passed) table += fmt::format("frame {}, picture: {}\n", row.frame, row.image.reason);
-    }
-    const bool same_build = result.golden_build == result.actual_build;
-    const bool same_renderer = result.golden_renderer == result.actual_renderer;
-    table += fmt::format(
-        "{}: {} ({}, {})\n", result.scene, result.passed ? "agrees" : "differs",
-        same_build ? std::string("same build, states exact")
-                   : fmt::format("another build, states within {:.1g} m", result.state_tolerance),
-        same_renderer ? "same renderer, pictures exact" : "another renderer, pictures within tolerance");
-    return table;
-}
 
 GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
                             int threads, render::GlLibrary gl) {
@@ -354,7 +249,7 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
         result.rows.push_back(std::move(row));
     }
     conclude(result);
-    write_page(result, rows, out);
+    result.report = write_page(result, rows, out);
     return std::move(result);
 }
 
@@ -384,19 +279,12 @@ GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, c
     for (std::size_t i = 0; i < states.size(); ++i) {
         const std::int64_t frame = session.frames[i];
         const render::Image picture = session.draw(states[i]);
-        if (before) try {
-                const State old_state = read_state(golden_state(golden, frame));
-                const render::Image old_picture = render::read_png(golden_image(golden, frame));
-                GoldenRow row;
-                row.frame = frame;
-                row.state = judge_state(old_state, states[i],
-                                        {before->build == result.actual_build, result.state_tolerance});
-                row.image = judge_image(old_picture, picture, before->renderer == result.actual_renderer);
-                rows += row_html(row, &old_picture, &picture);
-                result.rows.push_back(std::move(row));
-            } catch (const std::runtime_error&) {
-                // This frame is new, or its old files cannot be read.
+        if (before) {
+            if (auto row = compared_with_old(golden, *before, frame, states[i], picture, result)) {
+                rows += row->second;
+                result.rows.push_back(std::move(row->first));
             }
+        }
         write_state(states[i], golden_state(golden, frame), Compression::small);
         render::write_png(picture, golden_image(golden, frame));
     }
@@ -413,7 +301,7 @@ GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, c
                                           {"frames", session.frames}};
     write_file(golden / "golden.json", facts.dump(2) + "\n");
     conclude(result);
-    write_page(result, rows, out);
+    result.report = write_page(result, rows, out);
     return std::move(result);
 }
 

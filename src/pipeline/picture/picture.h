@@ -2,8 +2,6 @@
 // State → finished picture: the camera at its time, the Rasterizer's picture, colours and edges over the
 // cloth, motion blur, and what is written over all of it.
 
-#include <cstdint>
-#include <functional>
 #include <optional>
 
 #include "pipeline/picture/frame_builder.h"
@@ -19,10 +17,7 @@ namespace cloth::pipeline {
 
 class PictureMaker {
   public:
-    /// The state of a frame, if it is kept; for motion blur.
-    using StateReader = std::function<std::optional<State>(std::int64_t)>;
-
-    /// `model` and `rasterizer` must outlive this.
+    /// `model` and `rasterizer` must outlive this; `read_state` is for motion blur.
     PictureMaker(SceneFile file, const Model& model, RunFacts facts, render::Rasterizer& rasterizer,
                  StateReader read_state = {});
     PictureMaker(const PictureMaker&) = delete;  // parts refer to each other

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <nlohmann/json.hpp>
 
-#include "pipeline/formats/file_io.h"
 #include "sim/stepping/integrator.h"
 
 namespace cloth::pipeline {
@@ -15,31 +12,30 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_samples = 2'000'000;
 
-/// Numbers of each frame in the run's report.
-class Report {
-  public:
-    explicit Report(const RunFolder& folder) {
-        try {
-            const auto json = nlohmann::json::parse(read_file(folder.report()));
-            for (const auto& frame : json.at("frames"))
-                frames_[frame.at("frame").get<std::int64_t>()] = frame;
-        } catch (const std::exception&) {
-            // A run that was killed has none; its curves show what the states tell.
-        }
+/// What the reports tell for a curve; NaN where they tell nothing. Frame 0 was not stepped to: its energy is
+/// that before frame 1.
+double reported(const FrameReports& reports, std::int64_t frame, Curve curve) {
+    const bool start = frame == 0;
+    const auto found = reports.find(start ? 1 : frame);
+    if (found == reports.end()) return nan;
+    const FrameReport& report = found->second;
+    if (start) return curve == Curve::energy ? report.energy_before : nan;
+    switch (curve) {
+        case Curve::energy:
+            return report.energy_after;
+        case Curve::stretch:
+            return report.largest_stretch;
+        case Curve::gap:
+            return std::isfinite(report.smallest_gap) ? report.smallest_gap : nan;
+        case Curve::iterations:
+            return report.iterations;
+        case Curve::contacts:
+            return report.contacts;
+        case Curve::kinetic:
+            break;
     }
-    double at(std::int64_t frame, const char* key) const {
-        // Frame 0 was not stepped to: its energy is that before frame 1, and the rest is not known.
-        const bool start = frame == 0;
-        if (start && std::string_view(key) != "energy_after_J") return nan;
-        const auto found = frames_.find(start ? 1 : frame);
-        if (found == frames_.end()) return nan;
-        const auto value = found->second.find(start ? "energy_before_J" : key);
-        return value != found->second.end() && value->is_number() ? value->get<double>() : nan;
-    }
-
-  private:
-    std::map<std::int64_t, nlohmann::json> frames_;
-};
+    return nan;
+}
 
 double least(const VecX& values) {
     double smallest = nan;
@@ -93,25 +89,24 @@ RunFacts facts_of(const SceneFile& file) {
     return facts;
 }
 
-RunFacts survey_run(const RunFolder& folder, const SceneFile& file, const Model& model,
-                    const std::atomic<bool>* stop) {
+RunFacts survey(const SimulatedRun& run, const SceneFile& file, const Model& model,
+                const std::atomic<bool>* stop) {
     RunFacts facts = facts_of(file);
     const AnnotationDesc& wanted = file.annotation;
     const bool range_wanted = wanted.shade && !facts.shade;
     if (!range_wanted && wanted.curves.empty() && file.camera.framing != Framing::automatic) return facts;
 
-    const auto frames = folder.kept_states();
+    const std::vector<std::int64_t>& frames = run.frames;
     const VertexFields fields(model);
     Extent extent(file.camera, static_cast<double>(file.view.width) / file.view.height);
     for (const Curve curve : wanted.curves)
         facts.curves.push_back({curve_names[static_cast<std::size_t>(curve)].title, {}});
-    const std::optional<Report> report = wanted.curves.empty() ? std::nullopt : std::optional<Report>(folder);
     std::vector<double> values;
     const std::size_t all = frames.size() * static_cast<std::size_t>(model.vertex_count());
     const auto stride = static_cast<int>(1 + all / most_samples);
     for (std::size_t k = 0; k < frames.size(); ++k) {
         if (stop != nullptr && stop->load()) break;
-        const State state = read_state(folder.state(frames[k]));
+        const State state = run.read(frames[k]).value();
         for (int i = 0; i < model.vertex_count(); ++i) extent.add(state.positions.segment<3>(3 * i));
         if (range_wanted) {
             const VecX field = fields.at(*wanted.shade, state);
@@ -121,17 +116,12 @@ RunFacts survey_run(const RunFolder& folder, const SceneFile& file, const Model&
         if (wanted.curves.empty()) continue;
         facts.times.push_back(state.time);
         for (std::size_t c = 0; c < wanted.curves.size(); ++c) {
-            const CurveName& name = curve_names[static_cast<std::size_t>(wanted.curves[c])];
-            double value = nan;
-            if (name.report_key != nullptr) {
-                value = report->at(frames[k], name.report_key);
-            } else if (name.curve == Curve::gap) {
-                // Between cloths the step's own contact knows; NaN gives way.
-                const double known = report->at(frames[k], "smallest_gap_m");
-                value = 1e3 * std::fmin(least(fields.at(VertexField::gap, state)), known);
-            } else {
-                value = kinetic_energy(model, state);
-            }
+            const Curve curve = wanted.curves[c];
+            double value = reported(run.reports, frames[k], curve);
+            if (curve == Curve::kinetic) value = kinetic_energy(model, state);
+            // Between cloths the step's own contact knows; NaN gives way.
+            if (curve == Curve::gap)
+                value = 1e3 * std::fmin(least(fields.at(VertexField::gap, state)), value);
             facts.curves[c].values.push_back(value);
         }
     }

@@ -4,14 +4,18 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
-#include "pipeline/formats/state_store.h"
 #include "pipeline/picture/annotation.h"
 #include "pipeline/picture/camera.h"
 #include "pipeline/scene_file/scene_file.h"
 #include "sim/model.h"
+#include "sim/scene/state.h"
+#include "sim/stepping/step_report.h"
 
 namespace cloth::pipeline {
 
@@ -33,15 +37,27 @@ struct RunFacts {
     std::vector<CurveLine> curves;
 };
 
-/// Whether the pictures that `file` asks for need survey_run(), or other states than their own.
+/// Whether the pictures that `file` asks for need survey(), or other states than their own.
 bool needs_whole_run(const SceneFile& file);
 
 /// Without a run: what `file` itself says.
 RunFacts facts_of(const SceneFile& file);
 
-/// Reads the kept states, and the report for curves of what states do not tell. `stop` as in RunOptions.
-RunFacts survey_run(const RunFolder& folder, const SceneFile& file, const Model& model,
-                    const std::atomic<bool>* stop = nullptr);
+/// The state of a frame, if it is kept.
+using StateReader = std::function<std::optional<State>(std::int64_t)>;
+/// By frame.
+using FrameReports = std::map<std::int64_t, FrameReport>;
+
+/// A simulated run: frames in order with their states, and what is reported of them.
+struct SimulatedRun {
+    std::vector<std::int64_t> frames;
+    StateReader read;
+    FrameReports reports;
+};
+
+/// Reads the states, and the reports for curves of what states do not tell. `stop` as in RunOptions.
+RunFacts survey(const SimulatedRun& run, const SceneFile& file, const Model& model,
+                const std::atomic<bool>* stop = nullptr);
 
 /// The facts of two runs that are shown beside each other: ranges and extents that hold both.
 void share(RunFacts& a, RunFacts& b);

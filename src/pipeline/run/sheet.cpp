@@ -8,10 +8,12 @@
 #include <stdexcept>
 
 #include "pipeline/formats/error.h"
+#include "pipeline/formats/state_store.h"
 #include "pipeline/formats/video.h"
 #include "pipeline/picture/annotation.h"
 #include "pipeline/picture/picture.h"
 #include "pipeline/picture/survey.h"
+#include "pipeline/run/draw.h"
 #include "render/overlay/overlay.h"
 #include "render/raster/rasterizer.h"
 
@@ -25,8 +27,7 @@ constexpr int tile_width = 320;
 constexpr render::Ink paper{{250, 250, 250}}, text_ink{{28, 32, 38}};
 
 void require_going_on(const RunOptions& options) {
-    if (options.stop != nullptr && options.stop->load())
-        throw Error(ExitCode::interrupted, "interrupted: nothing was written");
+    if (options.stopping()) throw Error(ExitCode::interrupted, "interrupted: nothing was written");
 }
 
 void tell(const RunOptions& options, std::int64_t done, std::int64_t frames) {

@@ -40,15 +40,14 @@ enum class Curve { energy, kinetic, stretch, gap, iterations, contacts };
 struct CurveName {
     Curve curve;
     const char *name, *title;  ///< as in scene files; for people, with its unit
-    const char* report_key;    ///< of the run's report; none: from the states
 };
 inline constexpr CurveName curve_names[] = {
-    {Curve::energy, "energy", "energy [J]", "energy_after_J"},
-    {Curve::kinetic, "kinetic", "kinetic energy [J]", nullptr},
-    {Curve::stretch, "stretch", "greatest stretch", "largest_stretch"},
-    {Curve::gap, "gap", "smallest gap [mm]", nullptr},
-    {Curve::iterations, "iterations", "iterations", "iterations"},
-    {Curve::contacts, "contacts", "contacts", "contacts"}};
+    {Curve::energy, "energy", "energy [J]"},
+    {Curve::kinetic, "kinetic", "kinetic energy [J]"},
+    {Curve::stretch, "stretch", "greatest stretch"},
+    {Curve::gap, "gap", "smallest gap [mm]"},
+    {Curve::iterations, "iterations", "iterations"},
+    {Curve::contacts, "contacts", "contacts"}};
 
 /// A circle in the picture [pixel].
 struct PicturePlace {

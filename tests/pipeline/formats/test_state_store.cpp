@@ -2,18 +2,16 @@
 
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <functional>
 #include <limits>
 
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/state_store.h"
-#include "pipeline/run/run.h"
+#include "support/error_message.h"
 #include "support/temporary_folder.h"
 
 using namespace cloth;
@@ -44,17 +42,6 @@ State example_state() {
 bool same_bits(const VecX& a, const VecX& b) {
     return a.size() == b.size() &&
            std::memcmp(a.data(), b.data(), sizeof(double) * std::size_t(a.size())) == 0;
-}
-
-std::string message_of(const std::function<void()>& work, ExitCode code) {
-    try {
-        work();
-    } catch (const Error& e) {
-        CHECK(e.code == code);
-        return e.what();
-    }
-    FAIL("no Error");
-    return {};
 }
 
 }  // namespace
@@ -92,22 +79,6 @@ TEST_CASE("a state of NaNs comes back too: it shows what went wrong", "[state_st
     write_state(state, folder / "s.bin");
     CHECK(same_bits(read_state(folder / "s.bin").positions, state.positions));
     CHECK(same_bits(read_state(folder / "s.bin").velocities, state.velocities));
-}
-
-TEST_CASE("a state that cannot be used is named by its first bad vertex", "[state_store]") {
-    CHECK(state_fault(example_state()).empty());
-    for (const double bad :
-         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-        State state = example_state();
-        state.positions[17] = bad;
-        CHECK(state_fault(state) == "vertex 5 is no longer finite");
-        state = example_state();
-        state.velocities[3] = -bad;
-        CHECK(state_fault(state) == "vertex 1 is no longer finite");
-    }
-    State far = example_state();
-    far.positions[29] = -1.1e9;
-    CHECK(state_fault(far) == "vertex 9 is more than 1e+09 m away");
 }
 
 TEST_CASE("every damaged byte and every cut of a state file is noticed, and the file named",
@@ -189,55 +160,6 @@ TEST_CASE("the topology of a run comes back and is compared with a model", "[sta
     CHECK(same_topology(topology, model));
     scene.cloths[0].grid.diagonals = Diagonals::alternating;
     CHECK_FALSE(same_topology(topology, build_model(scene)));
-}
-
-TEST_CASE("clearing a run's folder removes the run and nothing else", "[state_store]") {
-    const TemporaryFolder folder;
-    const RunFolder run = RunFolder::create(folder.path());
-    run.write_manifest({"drape", 3, "a build"});
-    CHECK(run.read_manifest().scene == "drape");
-    CHECK(run.read_manifest().frames == 3);
-    write_state(example_state(), run.state(0));
-    write_state(example_state(), run.state(12));
-    spit(run.image(12), "a picture");
-    spit(run.scene(), "version = 1");
-    spit(run.report(), "{}");
-    spit(run.movie("drape"), "a movie");
-    fs::create_directory(run.meshes());
-    spit(run.meshes() / "rest_000000.obj", "v 0 0 0");
-    spit(run.meshes() / "collider_000002.obj", "v 0 0 0");
-    fs::create_directory(run.textures());
-    spit(run.textures() / "cloth_000000.png", "a print");
-    spit(run.image(3).string() + ".part", "what a killed run left");
-    CHECK(run.kept_states() == std::vector<std::int64_t>{0, 12});
-    CHECK(run.kept_images() == std::vector<std::int64_t>{12});
-    const std::vector<std::string> foreign = {"notes.txt",
-                                              "other.mp4",
-                                              "frames/photo.png",
-                                              "frames/frame_1.png",
-                                              "states/state_abcdef.bin",
-                                              "meshes/mine.obj",
-                                              "textures/print.png"};
-    for (const std::string& name : foreign) spit(folder / name, "mine");
-    run.clear();
-    std::vector<std::string> left;
-    for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
-        if (entry.is_regular_file()) left.push_back(fs::relative(entry.path(), folder.path()).string());
-    std::vector<std::string> expected = foreign;
-    std::sort(left.begin(), left.end());
-    std::sort(expected.begin(), expected.end());
-    CHECK(left == expected);
-}
-
-TEST_CASE("a folder that cannot be a run's is refused with the reason", "[state_store]") {
-    const TemporaryFolder folder;
-    spit(folder / "file", "x");
-    CHECK_THAT(message_of([&] { RunFolder::create(folder / "file"); }, ExitCode::usage),
-               Contains("is a file; give a folder"));
-    CHECK_THAT(message_of([&] { RunFolder::create(folder / "file/below"); }, ExitCode::other),
-               Contains("cannot write to the folder") && Contains("Not a directory"));
-    CHECK_THAT(message_of([&] { RunFolder::open(folder / "none"); }, ExitCode::other),
-               Contains("holds no run") && Contains("render_cloth simulate"));
 }
 
 TEST_CASE("the build fingerprint names all that decides a state's bits", "[state_store]") {

@@ -1,0 +1,22 @@
+#pragma once
+// What a comparison with goldens found, as an HTML page that holds its pictures. Internal to this room.
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/golden/golden.h"
+#include "render/image/image.h"
+
+namespace cloth::pipeline {
+
+/// The command that makes a scene's goldens anew.
+std::string bless_command(const std::string& scene);
+
+/// The page's part of one frame: its pictures are there only while it is made; nullptr: none.
+std::string row_html(const GoldenRow& row, const render::Image* golden, const render::Image* actual);
+
+/// Writes `out`/golden.html with the parts of all frames, and gives its path. Throws Error(other).
+std::filesystem::path write_page(const GoldenResult& result, const std::string& rows,
+                                 const std::filesystem::path& out);
+
+}  // namespace cloth::pipeline

@@ -1,0 +1,56 @@
+#pragma once
+// The folder of one run.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace cloth::pipeline {
+
+/// Facts about a run that its scene file does not tell.
+struct Manifest {
+    std::string scene;        ///< the scene's name
+    std::int64_t frames = 0;  ///< frames asked for
+    std::string build;        ///< fingerprint of the program that simulated
+};
+
+/// DIR/scene.toml, DIR/meshes/…, DIR/textures/…, DIR/states/state_000000.bin …, DIR/frames/frame_000000.png
+/// …, DIR/NAME.mp4, DIR/report.json, DIR/sheet.png.
+class RunFolder {
+  public:
+    /// Throws Error(usage) where `folder` is a file, Error(other) where it cannot be created or written.
+    static RunFolder create(const std::filesystem::path& folder);
+    /// Throws Error(other) where it holds no run.
+    static RunFolder open(const std::filesystem::path& folder);
+
+    std::filesystem::path root() const { return root_; }
+    std::filesystem::path scene() const { return root_ / "scene.toml"; }
+    std::filesystem::path meshes() const { return root_ / "meshes"; }
+    std::filesystem::path textures() const { return root_ / "textures"; }
+    std::filesystem::path report() const { return root_ / "report.json"; }
+    std::filesystem::path topology() const { return root_ / "states" / "topology.bin"; }
+    std::filesystem::path sheet() const { return root_ / "sheet.png"; }  ///< contact sheet
+    /// Picture of what overlaps at the start.
+    std::filesystem::path overlap() const { return root_ / "overlap.png"; }
+    std::filesystem::path state(std::int64_t frame) const;
+    std::filesystem::path image(std::int64_t frame) const;
+    std::filesystem::path movie(const std::string& scene_name) const { return root_ / (scene_name + ".mp4"); }
+
+    void write_manifest(const Manifest& manifest) const;
+    /// Throws Error(other) where it is missing or damaged.
+    Manifest read_manifest() const;
+    /// Frames whose state is kept, sorted.
+    std::vector<std::int64_t> kept_states() const;
+    /// Frames whose picture is kept, sorted.
+    std::vector<std::int64_t> kept_images() const;
+    /// Removes what an earlier run made, and nothing else.
+    void clear() const;
+
+  private:
+    explicit RunFolder(std::filesystem::path root) : root_(std::move(root)) {}
+    std::filesystem::path root_;
+};
+
+}  // namespace cloth::pipeline

@@ -1,0 +1,31 @@
+#pragma once
+// How a run is made.
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+
+#include "render/gl/gl_library.h"
+
+namespace cloth::pipeline {
+
+/// Frames that each stage has finished.
+struct Progress {
+    std::int64_t frames = 0;  ///< to be made
+    std::int64_t simulated = 0, drawn = 0, written = 0, encoded = 0;
+};
+
+struct RunOptions {
+    bool pictures = true;
+    bool movie = true;                                    ///< needs pictures
+    int threads = 0;                                      ///< ≤ 0: all cores
+    render::GlLibrary gl = render::GlLibrary::automatic;  ///< what draws
+    /// Called after each frame of each stage, by one thread at a time.
+    std::function<void(const Progress&)> progress;
+    /// Looked at between frames: true ends the run, every finished frame kept.
+    const std::atomic<bool>* stop = nullptr;
+
+    bool stopping() const { return stop != nullptr && stop->load(); }
+};
+
+}  // namespace cloth::pipeline

@@ -1,0 +1,157 @@
+#include "pipeline/run/stages.h"
+
+#include <thread>
+#include <utility>
+
+namespace cloth::pipeline {
+
+void add(RunSummary& summary, const StagesResult& result, const RunFolder& folder) {
+    const std::vector<FrameRecord>& records = result.states.records;
+    summary.records.insert(summary.records.end(), records.begin(), records.end());
+    summary.states += static_cast<std::int64_t>(records.size());
+    summary.images += result.written.images;
+    if (result.encoded.finished) summary.movie = folder.movie(summary.scene);
+    summary.times.simulate += result.states.simulate;
+    summary.times.store += result.states.store;
+    summary.times.draw += result.drawn.seconds;
+    summary.times.png += result.written.seconds;
+    summary.times.encode += result.encoded.seconds;
+    summary.times.wall += result.wall;
+}
+
+Stages::Stages(const RunFolder& folder, const RunOptions& options, std::int64_t frames)
+    : folder_(folder), options_(options), frames_(frames) {
+    constexpr int capacity = 3;
+    states_.set_capacity(capacity);
+    to_png_.set_capacity(capacity);
+    to_movie_.set_capacity(capacity);
+    progress_.frames = frames;
+}
+
+StagesResult Stages::run(const Produce& produce, const Draw& draw, VideoWriter* movie) {
+    const Stopwatch wall;
+    StagesResult result;
+    drawing_ = static_cast<bool>(draw);
+    std::thread producer([&] { result.states = produce_states(produce); });
+    std::thread png_writer, encoder;
+    if (draw) png_writer = std::thread([&] { result.written = write_pictures(); });
+    if (movie != nullptr) encoder = std::thread([&] { result.encoded = feed(*movie); });
+    if (draw) result.drawn = draw_states(draw, movie != nullptr);
+    for (std::thread* thread : {&producer, &png_writer, &encoder}) {
+        if (thread->joinable()) thread->join();
+    }
+    result.wall = wall.seconds();
+    result.failure = failure_ ? failure_ : late_failure_;
+    return result;
+}
+
+bool Stages::going_on() const {
+    return !failed_ && !options_.stopping();
+}
+
+void Stages::deliver(std::shared_ptr<const State> state) {
+    if (drawing_) states_.push(std::move(state));
+}
+
+void Stages::step(std::int64_t Progress::*stage) {
+    const std::lock_guard lock(progress_mutex_);
+    ++(progress_.*stage);
+    if (options_.progress) options_.progress(progress_);
+}
+
+void Stages::fail_now(std::exception_ptr failure) {
+    const std::lock_guard lock(failure_mutex_);
+    if (!failure_) failure_ = std::move(failure);
+    failed_ = true;
+}
+
+void Stages::fail_later(std::exception_ptr failure) {
+    const std::lock_guard lock(failure_mutex_);
+    if (!late_failure_) late_failure_ = std::move(failure);
+}
+
+template <class Work>
+void Stages::guarded(Work work) {
+    try {
+        work();
+    } catch (...) {
+        fail_now(std::current_exception());
+    }
+}
+
+StatesMade Stages::produce_states(const Produce& produce) {
+    StatesMade made;
+    guarded([&] { produce(*this, made); });
+    deliver(nullptr);
+    return made;
+}
+
+PicturesDrawn Stages::draw_states(const Draw& draw, bool to_movie) {
+    PicturesDrawn drawn;
+    std::shared_ptr<const State> state;
+    for (states_.pop(state); state; states_.pop(state)) {
+        if (!going_on()) continue;
+        guarded([&] {
+            Picture picture{state->frame, nullptr};
+            {
+                const TimedScope watch(drawn.seconds);
+                picture.image = std::make_shared<const render::Image>(draw(*state));
+            }
+            step(&Progress::drawn);
+            to_png_.push(picture);
+            if (to_movie) to_movie_.push(picture);
+        });
+    }
+    to_png_.push({});
+    if (to_movie) to_movie_.push({});
+    return drawn;
+}
+
+PicturesWritten Stages::write_pictures() {
+    PicturesWritten written;
+    Picture picture;
+    for (to_png_.pop(picture); picture.image; to_png_.pop(picture)) {
+        if (failed_) continue;
+        guarded([&] {
+            {
+                const TimedScope watch(written.seconds);
+                render::write_png(*picture.image, folder_.image(picture.frame));
+            }
+            ++written.images;
+            step(&Progress::written);
+        });
+    }
+    return written;
+}
+
+MovieEncoded Stages::feed(VideoWriter& movie) {
+    MovieEncoded encoded;
+    std::int64_t added = 0;
+    bool good = true;
+    // The PNGs go on where the encoder fails.
+    const auto attempt = [&](auto&& work) {
+        const TimedScope watch(encoded.seconds);
+        try {
+            work();
+        } catch (...) {
+            good = false;
+            fail_later(std::current_exception());
+        }
+    };
+    Picture picture;
+    for (to_movie_.pop(picture); picture.image; to_movie_.pop(picture)) {
+        if (!good || failed_) continue;
+        attempt([&] { movie.add(*picture.image); });
+        if (!good) continue;
+        ++added;
+        step(&Progress::encoded);
+    }
+    // A movie of a part of the run would pass for the whole.
+    if (good && added == frames_) {
+        attempt([&] { movie.finish(); });
+        encoded.finished = good;
+    }
+    return encoded;
+}
+
+}  // namespace cloth::pipeline
