@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "render/gl/shaders.h"
 
 namespace cloth::render {
 
@@ -27,7 +26,7 @@ Program::~Program() {
 }
 
 GLuint Program::compile(GLenum stage, Pieces pieces) {
-    std::vector<const char*> source{shaders::version};
+    std::vector<const char*> source{"#version 400 core\n"};
     source.insert(source.end(), pieces);
     const GLuint shader = gl_->CreateShader(stage);
     gl_->ShaderSource(shader, static_cast<GLsizei>(source.size()), source.data(), nullptr);

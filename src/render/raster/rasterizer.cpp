@@ -6,15 +6,18 @@
 #include <stdexcept>
 #include <thread>
 
-#include "render/gl/fabric_shader.h"
 #include "render/gl/gl_objects.h"
 #include "render/gl/shaders.h"
 #include "render/raster/ambient_occlusion.h"
 #include "render/raster/backdrop.h"
 #include "render/raster/checks.h"
+#include "render/raster/ground.h"
+#include "render/raster/materials.h"
 #include "render/raster/mesh_list.h"
 #include "render/raster/projection.h"
+#include "render/raster/shot.h"
 #include "render/raster/tile_mask.h"
+#include "render/raster/vertex_light.h"
 
 namespace cloth::render {
 namespace {
@@ -22,66 +25,13 @@ namespace {
 constexpr int supersampling = 2;  // along each axis; the shaders are written for 2
 constexpr int search_taps = 8, surface_taps = 14, ground_search_taps = 8, ground_taps = 20, settled_taps = 8;
 constexpr int ground_occlusion_size = 40;
-constexpr int tile = 8;            // pixels that are shaded or left out together
-constexpr int caster_cells = 128;  // of the shadow map, along a side, that hold a caster or none
+constexpr int tile = 8;  // pixels that are shaded or left out together
 // What is shaded, and by which program, is told by the depth of its squares.
 constexpr std::array<float, 2> layer_depths{-0.5f, 0.0f};
 constexpr Matrix unchanged{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 constexpr int most_images = 4, image_unit = 5;
 constexpr std::size_t most_vertices =
     (std::size_t{1} << 28) - 2;  // the bits that a sample has for its number
-
-/// What hides sky or floor returns a part of their light: more than half is left where 0.4 of it comes
-/// straight.
-AmbientLight with_reflections(const AmbientLight& light, const AmbientLight& open) {
-    const auto returned = [](float share, float all) {
-        return all > 0 ? share * (1.7f - 0.7f * std::min(share / all, 1.0f)) : 0.0f;
-    };
-    return {returned(light.from_above, open.from_above), returned(light.from_below, open.from_below)};
-}
-
-/// What all passes of one draw share.
-struct Shot {
-    const Frame& frame;
-    const View& view;
-    Camera camera;
-    Bounds bounds;      // of what casts shadows and occludes
-    PixelBox box{};     // pixels that can show surfaces
-    Float3 to_light{};  // unit length
-    Float3 key{};       // radiance of a white plane that faces the light
-    Float3 bounce{};    // light from below
-    ShadowView shadow_view{};
-    bool shadow = false, occlusion = false, ground = false;
-};
-
-/// Ray of pixel p: corner + p.x x + p.y y, of distance 1.
-struct Rays {
-    Float3 corner, x, y;
-};
-/// `step`: pixels of the picture per pixel of what is drawn.
-Rays make_rays(const Shot& shot, int step) {
-    const Camera& c = shot.camera;
-    const auto halves = static_cast<float>(2 * step);
-    return {c.forward - c.half_width * c.right - c.half_height * c.up,
-            (halves * c.half_width / static_cast<float>(shot.view.width)) * c.right,
-            (halves * c.half_height / static_cast<float>(shot.view.height)) * c.up};
-}
-
-/// What a frame's surfaces need of the shading program.
-struct Features {
-    bool patterns = false, weave = false, colors = false;
-    int images = 0;
-    auto operator<=>(const Features&) const = default;
-
-    std::string defines() const {
-        std::string text;
-        if (patterns) text += "#define PATTERNS\n";
-        if (weave) text += "#define WEAVE\n";
-        if (colors) text += "#define COLORS\n";
-        if (images > 0) text += "#define IMAGES " + std::to_string(images) + "\n";
-        return text;
-    }
-};
 
 }  // namespace
 
@@ -146,18 +96,13 @@ struct Rasterizer::Impl {
     std::map<std::shared_ptr<const Image>, GLuint> textures;
     MeshList list;
     AmbientOcclusion occlusion;
-    std::vector<float> ambient;
     std::vector<std::uint8_t> pixels, ground_pixels;
     std::optional<Backdrop> backdrop;
 
     Image draw(const Frame& frame, const View& view);
 
-    struct GroundTiles {
-        TileMask shadowed, occluded;
-    };
     void point_at(const ListBuffer& list_buffer, int components);
     void upload(const Frame& frame);
-    void compute_ambient(const Shot& shot);
     Features upload_materials(const Frame& frame);
     GLuint texture_of(const std::shared_ptr<const Image>& image);
     Program& surface_program(const Features& features);
@@ -168,7 +113,6 @@ struct Rasterizer::Impl {
     void set_shadow(Program& program, const Shot& shot, int first_unit);
     void draw_layers(const TileMask& layer_0, const TileMask& layer_1);
     void fill_layer(int layer);
-    GroundTiles ground_tiles(const Shot& shot, const GroundPatch& patch, bool shadow) const;
     void draw_ground_light(const Shot& shot);
     Image compose(const Shot& shot);
     void shade(const Shot& shot, const Features& features);
@@ -198,54 +142,6 @@ void Rasterizer::Impl::upload(const Frame& frame) {
     if (!list.colors.empty()) colors.fill(std::span<const float>(list.colors));
 }
 
-/// Light from above and below at each vertex: computed at some, spread from there over the others.
-void Rasterizer::Impl::compute_ambient(const Shot& shot) {
-    ambient.resize(4 * std::size_t{list.first_vertex.back()});
-    for (std::size_t i = 0; i < shot.frame.surfaces.size(); ++i) {
-        const Surface& surface = shot.frame.surfaces[i];
-        const SurfaceTopology& topology = list.topologies[i];
-        const std::span<float> values =
-            std::span(ambient).subspan(4 * std::size_t{list.first_vertex[i]}, 4 * topology.vertices);
-        const auto compute = [&](std::size_t v) {
-            const Float3 p{surface.positions[3 * v], surface.positions[3 * v + 1],
-                           surface.positions[3 * v + 2]};
-            const Float3 n{surface.normals[3 * v], surface.normals[3 * v + 1], surface.normals[3 * v + 2]};
-            AmbientLight front{0.5f * (1 + n[1]), 0.5f * (1 - n[1])};
-            AmbientLight back{front.from_below, front.from_above};
-            if (shot.occlusion) {
-                front = with_reflections(occlusion.at(p, n), front);
-                if (surface.two_sided) back = with_reflections(occlusion.at(p, -1.0f * n), back);
-            }
-            const std::array<float, 4> value{front.from_above, front.from_below, back.from_above,
-                                             back.from_below};
-            std::copy(value.begin(), value.end(), values.begin() + static_cast<std::ptrdiff_t>(4 * v));
-        };
-        if (!shot.occlusion) {
-            for (std::size_t v = 0; v < topology.vertices; ++v) compute(v);
-            list.set_ambient(i, values);
-            continue;
-        }
-        // Each anchor stands alone, so how they are shared out changes nothing.
-        const auto compute_anchors = [&](std::size_t first, std::size_t last) {
-            for (std::size_t a = first; a < last; ++a) compute(topology.anchors[a]);
-        };
-        constexpr std::size_t anchors_per_thread = 1000;
-        const std::size_t count = topology.anchors.size();
-        const std::size_t parts = std::clamp<std::size_t>(count / anchors_per_thread, 1, threads);
-        std::vector<std::jthread> helpers;
-        for (std::size_t part = 1; part < parts; ++part)
-            helpers.emplace_back(compute_anchors, count * part / parts, count * (part + 1) / parts);
-        compute_anchors(0, count / parts);
-        helpers.clear();
-        spread(topology, values);
-        // Where a layer lies nearer than a cell, neighbours see it differently: seen as teeth along folds.
-        constexpr int passes = 4;
-        even_out(topology, passes, values);
-        list.set_ambient(i, values);
-    }
-    ambients.fill(std::span<const std::uint32_t>(list.ambient));
-}
-
 GLuint Rasterizer::Impl::texture_of(const std::shared_ptr<const Image>& image) {
     const auto [entry, fresh] = textures.try_emplace(image, 0);
     if (!fresh) return entry->second;
@@ -267,47 +163,11 @@ GLuint Rasterizer::Impl::texture_of(const std::shared_ptr<const Image>& image) {
 }
 
 Features Rasterizer::Impl::upload_materials(const Frame& frame) {
-    Features features;
-    std::vector<std::shared_ptr<const Image>> images;
-    std::vector<float> texels;
-    for (const Surface& surface : frame.surfaces) {
-        const Material& m = surface.material;
-        const float roughness = std::clamp(m.roughness, 0.05f, 1.0f);
-        const bool patterned = m.pattern != Pattern::plain && m.pattern != Pattern::image;
-        float number = 0;
-        if (m.pattern == Pattern::image) {
-            const auto place = std::find(images.begin(), images.end(), m.image);
-            number = static_cast<float>(place - images.begin() + 1);
-            if (place == images.end()) images.push_back(m.image);
-        }
-        features.patterns |= patterned;
-        features.weave |= m.weave > 0;
-        features.colors |= !surface.colors.empty();
-        const auto add = [&](const Float3& rgb, float a) {
-            texels.insert(texels.end(), {rgb[0], rgb[1], rgb[2], a});
-        };
-        add(m.front, roughness * roughness * roughness * roughness);
-        add(m.back, 0.5f * roughness * roughness);
-        add({m.specular, m.sheen, surface.two_sided ? 1.0f : 0.0f},
-            winding_follows_normals(surface) ? 1.0f : -1.0f);
-        add({patterned ? static_cast<float>(m.pattern) : 0.0f,
-             m.pattern == Pattern::plain ? 0 : 1 / m.pattern_scale, m.weave > 0 ? 1 / m.weave : 0},
-            m.weave_depth);
-        add(m.pattern_colors[0], m.pattern_on_back ? 1.0f : 0.0f);
-        add(m.pattern_colors[1], number);
-        add(m.pattern_colors[2], 0);
-    }
-    features.images = static_cast<int>(images.size());
-    if (features.images > most_images)
-        throw std::invalid_argument("the surfaces show " + std::to_string(features.images) +
-                                    " different images; at most " + std::to_string(most_images) +
-                                    " can be drawn");
-    for (int i = 0; i < features.images; ++i) {
-        const GLuint texture = texture_of(images[static_cast<std::size_t>(i)]);
-        bind_texture(image_unit + i, texture, 0);
-    }
-    materials.fill(std::span<const float>(texels));
-    return features;
+    const MaterialTexels all = material_texels(frame.surfaces, most_images);
+    for (std::size_t i = 0; i < all.images.size(); ++i)
+        bind_texture(image_unit + static_cast<int>(i), texture_of(all.images[i]), 0);
+    materials.fill(std::span<const float>(all.texels));
+    return all.features;
 }
 
 Program& Rasterizer::Impl::surface_program(const Features& features) {
@@ -405,58 +265,6 @@ void Rasterizer::Impl::fill_layer(int layer) {
     gl.DrawArrays(GL_TRIANGLES, 3 * layer, 3);
 }
 
-/// Where shadow can fall on the floor, and where else objects can hide the sky from it.
-Rasterizer::Impl::GroundTiles Rasterizer::Impl::ground_tiles(const Shot& shot, const GroundPatch& patch,
-                                                             bool shadow) const {
-    const View& view = shot.view;
-    GroundTiles tiles{{(view.width + 1) / 2, (view.height + 1) / 2, tile},
-                      {(view.width + 1) / 2, (view.height + 1) / 2, tile}};
-    const ShadowView& s = shot.shadow_view;
-    TileMask casters(caster_cells, caster_cells, 1);
-    if (shadow)
-        for (const Surface& surface : shot.frame.surfaces)
-            if (surface.casts_shadow) casters.mark(surface, s.world_to_clip);
-    const float reach = (s.largest_radius + 2 * s.texel) / s.width;
-    // Where the rays through the tiles' corners meet the floor, and that point in the map
-    struct Corner {
-        bool on_floor;
-        Float3 floor, map;
-    };
-    const Rays rays = make_rays(shot, 2 * tile);
-    const int across = tiles.shadowed.columns() + 1;
-    std::vector<Corner> corners_of_tiles;
-    for (int row = 0; row <= tiles.shadowed.rows(); ++row)
-        for (int column = 0; column < across; ++column) {
-            const Float3 ray =
-                rays.corner + static_cast<float>(column) * rays.x + static_cast<float>(row) * rays.y;
-            const Float3 p = view.eye + ((patch.height - view.eye[1]) / std::min(ray[1], -1e-4f)) * ray;
-            corners_of_tiles.push_back({ray[1] < -1e-4f, p, transformed(s.world_to_texture, p)});
-        }
-    for (int row = 0; row < tiles.shadowed.rows(); ++row)
-        for (int column = 0; column < tiles.shadowed.columns(); ++column) {
-            Bounds on_floor = nothing, on_map = nothing;
-            int below = 0;  // the horizon
-            for (const int corner : {0, 1, across, across + 1}) {
-                const Corner& c = corners_of_tiles[static_cast<std::size_t>(row * across + column + corner)];
-                below += c.on_floor;
-                on_floor = merged(on_floor, {c.floor, c.floor});
-                on_map = merged(on_map, {c.map, c.map});
-            }
-            if (below == 0) continue;
-            const bool in_patch =
-                below < 4 || (on_floor.low[0] < patch.high[0] && on_floor.high[0] > patch.low[0] &&
-                              on_floor.low[2] < patch.high[1] && on_floor.high[2] > patch.low[1]);
-            const bool in_shadow =
-                shadow && (below < 4 || casters.any(on_map.low[0] - reach, on_map.low[1] - reach,
-                                                    on_map.high[0] + reach, on_map.high[1] + reach));
-            if (in_shadow)
-                tiles.shadowed.mark(column, row);
-            else if (in_patch)
-                tiles.occluded.mark(column, row);
-        }
-    return tiles;
-}
-
 /// Light that reaches the floor near the objects; all of it elsewhere.
 void Rasterizer::Impl::draw_ground_light(const Shot& shot) {
     const bool near_objects = shot.ground && (shot.shadow || shot.occlusion);
@@ -470,25 +278,12 @@ void Rasterizer::Impl::draw_ground_light(const Shot& shot) {
 
     const GroundPatch patch = ground_patch(shot.bounds, shot.frame.ground->height);
     constexpr int size = ground_occlusion_size;
-    std::vector<float> open(std::size_t{size} * size, 1.0f);
-    if (shot.occlusion)
-        for (int j = 1; j < size - 1; ++j)  // the outermost texels hold 1, which clamping spreads outwards
-            for (int i = 1; i < size - 1; ++i) {
-                const float u = (static_cast<float>(i) + 0.5f) / size,
-                            v = (static_cast<float>(j) + 0.5f) / size;
-                const Float3 point{patch.low[0] + u * (patch.high[0] - patch.low[0]), patch.height,
-                                   patch.low[1] + v * (patch.high[1] - patch.low[1])};
-                const float visible = occlusion.at(point, {0, 1, 0}, /*on_surface=*/false).from_above;
-                const float edge = std::min({u, v, 1 - u, 1 - v}) - 1.0f / size;
-                const float fade = std::clamp(8 * edge, 0.0f, 1.0f);
-                // What hides the sky returns a part of the floor's own light.
-                open[std::size_t{size} * j + i] = 1 - 0.55f * (1 - visible) * fade * fade * (3 - 2 * fade);
-            }
+    const std::vector<float> open = ground_openness(shot, patch, occlusion, size);
     bind_texture(0, ground_occlusion, smooth);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, size, size, 0, GL_RED, GL_FLOAT, open.data());
 
     const bool shadow = shot.shadow && shot.to_light[1] > 1e-3f;
-    const auto [shadowed, occluded] = ground_tiles(shot, patch, shadow);
+    const auto [shadowed, occluded] = ground_tiles(shot, patch, shadow, tile);
     draw_layers(shadowed, occluded);
     const float scale_x = 1 / (patch.high[0] - patch.low[0]), scale_z = 1 / (patch.high[1] - patch.low[1]);
     for (Program* p : {&ground_shadow_program, &ground_open_program}) {
@@ -642,7 +437,8 @@ Image Rasterizer::Impl::draw(const Frame& frame, const View& view) {
     draw_shadow_map(shot);
     gl.Flush();  // the driver's threads draw while this one goes on
     if (shot.occlusion) occlusion.build(frame.surfaces, shot.bounds);
-    compute_ambient(shot);
+    light_vertices(shot, occlusion, threads, list);
+    ambients.fill(std::span<const std::uint32_t>(list.ambient));
     const Features features = upload_materials(frame);
     draw_ground_light(shot);
     shade(shot, features);
