@@ -1,21 +1,35 @@
 #include "render/image/image.h"
 
-#include <fcntl.h>
 #include <libdeflate.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
+#include <new>
 #include <stdexcept>
-#include <system_error>
+
+#include "base/whole_file.h"
+
+namespace {
+
+/// What stb_image_write compresses with: its own needs ten times as long. Gives memory of malloc().
+unsigned char* compressed(unsigned char* data, int size, int* compressed_size, int) {
+    constexpr int level = 1;
+    const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+        libdeflate_alloc_compressor(level), &libdeflate_free_compressor);
+    if (!compressor) return nullptr;
+    const auto from = static_cast<std::size_t>(size);
+    const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), from);
+    auto* bytes = static_cast<unsigned char*>(std::malloc(bound));
+    if (bytes != nullptr)
+        *compressed_size =
+            static_cast<int>(libdeflate_zlib_compress(compressor.get(), data, from, bytes, bound));
+    return bytes;
+}
+
+}  // namespace
 
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
@@ -23,26 +37,18 @@
 #define STBI_NO_STDIO
 #include <stb_image.h>
 
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STBI_WRITE_NO_STDIO
+#define STBIW_ZLIB_COMPRESS compressed
+#define STBIW_CRC32(data, size) libdeflate_crc32(0, data, static_cast<std::size_t>(size))
+#include <stb_image_write.h>
+
 namespace cloth::render {
 namespace {
 
-void append_big_endian(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
-    for (const int shift : {24, 16, 8, 0}) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
-}
-
-/// Fills in length and checksum of the chunk that ends here and whose length field is at `start`.
-void finish_chunk(std::vector<std::uint8_t>& png, std::size_t start) {
-    const auto length = static_cast<std::uint32_t>(png.size() - start - 8);
-    for (int i = 0; i < 4; ++i) png[start + i] = static_cast<std::uint8_t>(length >> (24 - 8 * i));
-    append_big_endian(png, libdeflate_crc32(0, png.data() + start + 4, png.size() - start - 4));
-}
-
-std::size_t start_chunk(std::vector<std::uint8_t>& png, const char* kind) {
-    const std::size_t start = png.size();
-    append_big_endian(png, 0);
-    png.insert(png.end(), kind, kind + 4);
-    return start;
-}
+/// Rows as they are. Trying all of PNG's filters costs far more than it saves on smooth pictures.
+[[maybe_unused]] const int no_filter = stbi_write_force_png_filter = 0;
 
 void require_pixels(const Image& image, const char* what) {
     if (image.width <= 0 || image.height <= 0 ||
@@ -53,107 +59,36 @@ void require_pixels(const Image& image, const char* what) {
                                     " bytes; 4 bytes per pixel and at least one pixel are needed");
 }
 
-/// A file under a temporary name; removed unless renamed.
-class TemporaryFile {
-  public:
-    explicit TemporaryFile(const std::filesystem::path& path) : path_(path) {
-        static std::atomic<unsigned> counter = 0;
-        temporary_ = path;
-        temporary_ += '.';
-        temporary_ += std::to_string(getpid());
-        temporary_ += '.';
-        temporary_ += std::to_string(counter++);
-        temporary_ += ".tmp";
-        descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor_ < 0) fail();
-    }
-    ~TemporaryFile() {
-        if (descriptor_ >= 0) close(descriptor_);
-        if (!renamed_) unlink(temporary_.c_str());
-    }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-    void write_all(const std::vector<std::uint8_t>& bytes) {
-        for (std::size_t done = 0; done < bytes.size();) {
-            const ssize_t written = ::write(descriptor_, bytes.data() + done, bytes.size() - done);
-            if (written < 0 && errno == EINTR) continue;
-            if (written <= 0) fail();
-            done += static_cast<std::size_t>(written);
-        }
-    }
-    void rename() {
-        // Some file systems report a full disk or quota only here.
-        const int closed = close(descriptor_);
-        descriptor_ = -1;
-        if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
-        renamed_ = true;
-    }
-
-  private:
-    [[noreturn]] void fail() const {
-        throw std::runtime_error("cannot write " + path_.string() + ": " +
-                                 std::generic_category().message(errno));
-    }
-
-    std::filesystem::path path_, temporary_;
-    int descriptor_ = -1;
-    bool renamed_ = false;
-};
-
 }  // namespace
 
 std::vector<std::uint8_t> encode_png(const Image& image) {
+    const std::size_t row = std::size_t{3} * std::max(image.width, 0);
+    if ((row + 1) * std::max(image.height, 0) > std::size_t{1} << 30)
+        throw std::invalid_argument("encode_png: an image of " + std::to_string(image.width) + " x " +
+                                    std::to_string(image.height) + "; at most 1 GiB can be written");
     require_pixels(image, "encode_png");
-    // Each row behind its filter's number: none. Trying all five filters costs far more than it saves on
-    // smooth pictures.
-    const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    std::vector<std::uint8_t> rows((1 + 3 * width) * height);
-    const std::uint8_t* from = image.rgba.data();
-    std::uint8_t* to = rows.data();
-    for (std::size_t y = 0; y < height; ++y) {
-        *to++ = 0;
-        for (std::size_t x = 0; x < width; ++x, from += 4, to += 3) {
-            to[0] = from[0];
-            to[1] = from[1];
-            to[2] = from[2];
-        }
-    }
-    const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-        libdeflate_alloc_compressor(1), &libdeflate_free_compressor);
-    if (!compressor) throw std::bad_alloc();
-    std::vector<std::uint8_t> png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    std::size_t chunk = start_chunk(png, "IHDR");
-    append_big_endian(png, static_cast<std::uint32_t>(width));
-    append_big_endian(png, static_cast<std::uint32_t>(height));
-    png.insert(png.end(), {8, 2, 0, 0, 0});  // bits a channel, RGB, and the only methods there are
-    finish_chunk(png, chunk);
-    chunk = start_chunk(png, "IDAT");
-    const std::size_t start = png.size();
-    png.resize(start + libdeflate_zlib_compress_bound(compressor.get(), rows.size()));
-    png.resize(start + libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(),
-                                                png.data() + start, png.size() - start));
-    finish_chunk(png, chunk);
-    finish_chunk(png, start_chunk(png, "IEND"));
-    return png;
+    std::vector<std::uint8_t> rgb(row * image.height);
+    for (std::size_t from = 0, to = 0; to < rgb.size(); from += 4, to += 3)
+        std::copy_n(image.rgba.begin() + static_cast<std::ptrdiff_t>(from), 3,
+                    rgb.begin() + static_cast<std::ptrdiff_t>(to));
+    int size = 0;
+    const std::unique_ptr<unsigned char, decltype(&std::free)> png(
+        stbi_write_png_to_mem(rgb.data(), static_cast<int>(row), image.width, image.height, 3, &size),
+        &std::free);
+    if (!png) throw std::bad_alloc();
+    return {png.get(), png.get() + size};
 }
 
 void write_png(const Image& image, const std::filesystem::path& path) {
     const std::vector<std::uint8_t> png = encode_png(image);
-    TemporaryFile file(path);
-    file.write_all(png);
-    file.rename();
+    write_whole_file(path, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 Image read_png(const std::filesystem::path& path) {
+    const std::string bytes = read_whole_file(path);
     const auto fail = [&path](const std::string& cause) {
         throw std::runtime_error("cannot read " + path.string() + ": " + cause);
     };
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) fail("Is a directory");
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) fail(std::generic_category().message(errno));
-    const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
     if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) fail("larger than 2 GiB");
     Image image;
     int channels = 0;

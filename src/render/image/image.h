@@ -19,7 +19,8 @@ struct Image {
     }
 };
 
-/// An RGB PNG in memory.
+/// An RGB PNG in memory, by stb_image_write. Throws std::invalid_argument for no pixels, or more than 1 GiB
+/// of them.
 std::vector<std::uint8_t> encode_png(const Image& image);
 /// Writes to a temporary name beside `path`, then renames; throws std::runtime_error naming path and cause.
 void write_png(const Image& image, const std::filesystem::path& path);
