@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "pipeline/formats/state_store.h"
+#include "pipeline/run/run_folder.h"
 #include "render/image/image.h"
 #include "support/temporary_folder.h"
 

@@ -38,7 +38,7 @@ size = [640, 480]
 struct Studio {
     explicit Studio(SceneFile f)
         : file(std::move(f)), model(build_model(file.scene)), state(start_state(model)) {}
-    render::Image draw(PictureMaker::StateReader reader = {}) {
+    render::Image draw(StateReader reader = {}) {
         RunFacts facts = facts_of(file);
         return PictureMaker(file, model, facts, rasterizer, std::move(reader)).draw(state);
     }
