@@ -10,36 +10,11 @@
 namespace cloth {
 namespace {
 
-/// What energy and derivatives share.
-struct Kinematics {
-    Mat32 G;
-    Vec3 n;     ///< unit normal; zero where the triangle has no area
-    double I;   ///< s0 + s1
-    double D2;  ///< (s0 - s1)²
-    Mat32 R;    ///< rotation of the polar decomposition G = R S
-
-    Kinematics(const TriangleRest& rest, const Vec9& q9) {
-        G.noalias() = q9.reshaped(3, 3) * rest.b;
-        const Vec3 area_normal = G.col(0).cross(G.col(1));
-        const double J = area_normal.norm();
-        n = J > 0.0 ? Vec3(area_normal / J) : Vec3(Vec3::Zero());
-        // R = (G + J G^-T)/I, where J G^-T = [g1 × n, n × g0] needs no division. The norms of G ± J G^-T are
-        // √2 (s0 ± s1); unlike tr C ± 2J they lose no digits near rest.
-        Mat32 cofactor;
-        cofactor.col(0) = G.col(1).cross(n);
-        cofactor.col(1) = n.cross(G.col(0));
-        R = G + cofactor;
-        I = std::sqrt(0.5 * R.squaredNorm());
-        D2 = 0.5 * (G - cofactor).squaredNorm();
-        R /= I > 0.0 ? I : 1.0;
-    }
-};
-
 /// ψ_i / s_i is kept finite for a triangle squeezed to a line.
 constexpr double smallest_stretch = 1e-9;
 
 /// K = 2μ 1 + c S⁻¹ in the rest frame; its eigenvalues are ψ_i/s_i. `project` clamps them at 0.
-Mat2 normal_stiffness(const TriangleRest& rest, const Kinematics& k, double c, bool project) {
+Mat2 normal_stiffness(const TriangleRest& rest, const MembraneKinematics& k, double c, bool project) {
     // S = RᵀG is symmetric; its eigenvalues are the stretches.
     const Mat2 S = k.R.transpose() * k.G;
     return of_eigenvalues(S, [&](double s) {
@@ -49,6 +24,22 @@ Mat2 normal_stiffness(const TriangleRest& rest, const Kinematics& k, double c, b
 }
 
 }  // namespace
+
+MembraneKinematics::MembraneKinematics(const TriangleRest& rest, const Vec9& q9) {
+    G.noalias() = q9.reshaped(3, 3) * rest.b;
+    const Vec3 area_normal = G.col(0).cross(G.col(1));
+    const double J = area_normal.norm();
+    n = J > 0.0 ? Vec3(area_normal / J) : Vec3(Vec3::Zero());
+    // R = (G + J G^-T)/I, where J G^-T = [g1 × n, n × g0] needs no division. The norms of G ± J G^-T are
+    // √2 (s0 ± s1); unlike tr C ± 2J they lose no digits near rest.
+    Mat32 cofactor;
+    cofactor.col(0) = G.col(1).cross(n);
+    cofactor.col(1) = n.cross(G.col(0));
+    R = G + cofactor;
+    I = std::sqrt(0.5 * R.squaredNorm());
+    D2 = 0.5 * (G - cofactor).squaredNorm();
+    R /= I > 0.0 ? I : 1.0;
+}
 
 TriangleRest make_triangle_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, double thickness, double mu,
                                 double lambda) {
@@ -63,14 +54,14 @@ TriangleRest make_triangle_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, 
 }
 
 double membrane_energy(const TriangleRest& rest, const Vec9& q9) {
-    const Kinematics k(rest, q9);
+    const MembraneKinematics k(rest, q9);
     const double dilation = k.I - 2.0;
     // μ Σ(s_i - 1)² = μ/2 ((I-2)² + (s0-s1)²), the form that loses no digits near rest.
     return 0.5 * rest.volume * ((rest.mu + rest.lambda) * dilation * dilation + rest.mu * k.D2);
 }
 
 Vec9 membrane_gradient(const TriangleRest& rest, const Vec9& q9) {
-    const Kinematics k(rest, q9);
+    const MembraneKinematics k(rest, q9);
     const double c = rest.lambda * (k.I - 2.0) - 2.0 * rest.mu;
     const Mat32 P = rest.volume * (2.0 * rest.mu * k.G + c * k.R);
     Vec9 gradient;
@@ -79,7 +70,7 @@ Vec9 membrane_gradient(const TriangleRest& rest, const Vec9& q9) {
 }
 
 Mat9 membrane_hessian(const TriangleRest& rest, const Vec9& q9, bool project) {
-    const Kinematics k(rest, q9);
+    const MembraneKinematics k(rest, q9);
     const double c = rest.lambda * (k.I - 2.0) - 2.0 * rest.mu;
     double twist = c / std::max(k.I, smallest_stretch);
     if (project) twist = std::max(twist, -rest.mu);
@@ -109,7 +100,7 @@ Mat9 membrane_hessian(const TriangleRest& rest, const Vec9& q9, bool project) {
 }
 
 double membrane_stretch(const TriangleRest& rest, const Vec9& q9) {
-    const Kinematics k(rest, q9);
+    const MembraneKinematics k(rest, q9);
     return 0.5 * (k.I + std::sqrt(k.D2));
 }
 
@@ -122,7 +113,9 @@ double largest_stretch(const Triangles& triangles, const std::vector<TriangleRes
 }
 
 MembraneEnergy::MembraneEnergy(std::vector<std::array<int, 3>> triangles, std::vector<TriangleRest> rest)
-    : elements_(std::move(triangles)), rest_(std::move(rest)) {}
+    : elements_(std::move(triangles)), rest_(std::move(rest)) {
+    for (const TriangleRest& r : rest_) plane_.push_back(make_assignment_rest(r));
+}
 
 double MembraneEnergy::value(const VecX& x) const {
     return elements_.sum([&](int t) { return membrane_energy(rest_[t], elements_.gather(x, t)); });
@@ -134,11 +127,10 @@ void MembraneEnergy::add_gradient(const VecX& x, VecX& g) const {
 
 void MembraneEnergy::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
     elements_.add_hessian(H, [&](int t) -> Mat9 {
-        const TriangleRest& r = rest_[t];
         const Vec9 q9 = elements_.gather(x, t);
         return kind == HessianKind::assignment
-                   ? d2V_membrane_corotational_dq2(r.dphi, q9, r.volume, r.mu, r.lambda)
-                   : membrane_hessian(r, q9, kind == HessianKind::projected);
+                   ? fixed_assignment_hessian(rest_[t], plane_[t], q9)
+                   : membrane_hessian(rest_[t], q9, kind == HessianKind::projected);
     });
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "sim/algebra/types.h"
+#include "sim/energies/assignment_hessian.h"
 #include "sim/energies/elements.h"
 #include "sim/energies/energy.h"
 
@@ -32,6 +33,17 @@ struct TriangleRest {
 
 TriangleRest make_triangle_rest(const Vec3& X0, const Vec3& X1, const Vec3& X2, double thickness, double mu,
                                 double lambda);
+
+/// What energy and derivatives share: see the file's head.
+struct MembraneKinematics {
+    Mat32 G;
+    Vec3 n;     ///< unit normal; zero where the triangle has no area
+    double I;   ///< s0 + s1
+    double D2;  ///< (s0 - s1)²
+    Mat32 R;    ///< rotation of the polar decomposition G = R S
+
+    MembraneKinematics(const TriangleRest& rest, const Vec9& q9);
+};
 
 double membrane_energy(const TriangleRest& rest, const Vec9& q9);
 Vec9 membrane_gradient(const TriangleRest& rest, const Vec9& q9);
@@ -59,6 +71,7 @@ class MembraneEnergy final : public Energy {
   private:
     Elements<3> elements_;
     std::vector<TriangleRest> rest_;
+    std::vector<AssignmentRest> plane_;  ///< of HessianKind::assignment
 };
 
 }  // namespace cloth
