@@ -6,7 +6,7 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
-#include "sim/stepping/integrator.h"
+#include "sim/stepping/advance.h"
 
 namespace cloth {
 

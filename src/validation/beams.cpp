@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "sim/simulation.h"
-#include "sim/stepping/integrator.h"
 #include "validation/elastica.h"
 #include "validation/strip.h"
 #include "validation/validation.h"

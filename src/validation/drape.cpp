@@ -9,7 +9,6 @@
 #include "sim/scene/fabrics.h"
 #include "sim/scene/mesh.h"
 #include "sim/simulation.h"
-#include "sim/stepping/integrator.h"
 #include "validation/strip.h"
 #include "validation/validation.h"
 

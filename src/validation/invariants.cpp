@@ -7,7 +7,7 @@
 
 #include "sim/scene/fabrics.h"
 #include "sim/simulation.h"
-#include "sim/stepping/integrator.h"
+#include "sim/stepping/total_energy.h"
 #include "validation/strip.h"
 #include "validation/validation.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/stepping/integrator.h"
+#include "sim/stepping/total_energy.h"
 
 namespace cloth::validation {
 

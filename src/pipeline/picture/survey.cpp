@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/stepping/integrator.h"
+#include "sim/stepping/total_energy.h"
 
 namespace cloth::pipeline {
 namespace {

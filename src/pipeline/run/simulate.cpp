@@ -49,7 +49,7 @@ std::string why_not_converged(const Simulation& simulation, const FrameReport& r
         return fmt::format(
             "in the step from {:.6g} s, even cut into {} parts, pins or colliders cannot get to where the "
             "scene wants "
-            "them: cloth is in the way",
+            "them: cloth is in the way, or at its strain limit",
             state.time, parts);
     }
     const int vertex = report.worst_vertex.value_or(0);

@@ -50,6 +50,10 @@ struct Stage {
     double time;             ///< at the solve's end [s]
     const State& state;      ///< at the step's start
 
+    // Where the solve itself starts.
+    double start_time = state.time;       ///< [s]
+    const VecX& start = state.positions;  ///< shape (3n) [m]
+
     VecX base() const {
         VecX sum = VecX::Zero(state.positions.size());
         for (const Past& p : past) sum += p.share * p.positions;

@@ -28,7 +28,7 @@ inline constexpr auto last = [](auto, auto b) { return b; };
 inline constexpr auto all = [](bool a, bool b) { return a && b; };
 }  // namespace merging
 
-/// Where barrier contact's time goes: wall time [s].
+/// Where the time of a step's solves goes: wall time [s].
 struct ContactTimes {
     double detection = 0.0;  ///< what may touch, and what is free
     double assembly = 0.0;   ///< Hessians
@@ -50,21 +50,21 @@ struct ContactTimes {
 /// What one step did, or one solve of it. All begin at what changes nothing when merged.
 struct StepReport {
     bool converged = true;         ///< false: not even in halved steps; the state is that of the step's start
-    int iterations = 0;            ///< linear solves
-    double residual = 0.0;         ///< |∇Φ| / |∇Φ at the step's start| reached (integrator.h)
+    int iterations = 0;            ///< Newton's; of the linearly implicit rule: one a step
+    double residual = 0.0;         ///< |∇Φ| / |∇Φ at the step's start| reached (newton.h)
     int retries = 0;               ///< steps that did not converge and were halved
     double energy_before = 0.0;    ///< kinetic + potential at the step's start [J]
     double energy_after = 0.0;     ///< the same at its end [J]
     double largest_stretch = 1.0;  ///< greatest principal stretch of any triangle at its end
     /// Of contact = "barrier": what is left between the nearest pair's surfaces [m]; infinite: none near.
     double smallest_gap = std::numeric_limits<double>::infinity();
-    int contacts = 0;        ///< vertices in contact with colliders; of `barrier`: pairs repelled
-    bool placed = true;      ///< of `barrier`: pins and colliders got to where they go
-    int placements = 0;      ///< of `barrier`: solves that took pins and colliders along
-    int cg_iterations = 0;   ///< of `barrier`: within the linear solves
-    int factorizations = 0;  ///< of `barrier`
+    int contacts = 0;       ///< vertices in contact with colliders; of `barrier`: pairs repelled
+    bool placed = true;     ///< pins and colliders got to where they go
+    int placements = 0;     ///< solves that took pins and colliders along
+    int cg_iterations = 0;  ///< of `barrier`: within the linear solves
+    int factorizations = 0;
 
-    ContactTimes contact_times;            ///< of `barrier`
+    ContactTimes contact_times;
     std::optional<int> worst_vertex;       ///< where a step that did not converge is farthest from balance
     std::optional<int> non_finite_vertex;  ///< the state is no longer usable
 

@@ -7,7 +7,7 @@
 #include "sim/scene/fabrics.h"
 #include "sim/scene/mesh.h"
 #include "sim/simulation.h"
-#include "sim/stepping/integrator.h"
+#include "sim/stepping/total_energy.h"
 
 using namespace cloth;
 

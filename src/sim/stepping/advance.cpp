@@ -1,0 +1,103 @@
+#include "sim/stepping/advance.h"
+
+#include "sim/contact/overlap.h"
+#include "sim/energies/drag.h"
+#include "sim/energies/membrane.h"
+#include "sim/stepping/implicit_euler.h"
+#include "sim/stepping/implicit_midpoint.h"
+#include "sim/stepping/linearly_implicit_euler.h"
+#include "sim/stepping/total_energy.h"
+#include "sim/stepping/tr_bdf2.h"
+
+namespace cloth {
+namespace {
+
+bool step_once(Step& step) {
+    switch (step.state.integrator) {
+        case IntegratorKind::linearly_implicit_euler:
+            return step_linearly_implicit_euler(step);
+        case IntegratorKind::implicit_euler:
+            return step_implicit_euler(step);
+        case IntegratorKind::tr_bdf2:
+            return step_tr_bdf2(step);
+        case IntegratorKind::implicit_midpoint:
+            return step_implicit_midpoint(step);
+    }
+    return false;
+}
+
+/// One step of any length, in two halves where it does not converge.
+bool step_by(const Model& model, State& state, double dt, int halvings, Workspace& w, StepReport& report) {
+    const std::vector<Pin> pins = pins_of_step(model.pin_groups, state.time, state.time + dt);
+    w.leave_out(pins);
+    StepReport attempt;
+    Step step{model, state, dt, pins, w, attempt};
+    if (step_once(step)) {
+        merge(report, attempt);
+        state.time += dt;
+        return true;
+    }
+    if (halvings == 0) {
+        merge(report, attempt);
+        return false;
+    }
+    merge_work(report, attempt);
+    ++report.retries;
+    return step_by(model, state, 0.5 * dt, halvings - 1, w, report) &&
+           step_by(model, state, 0.5 * dt, halvings - 1, w, report);
+}
+
+void apply_events(const Model& model, State& state) {
+    const auto& events = model.scene.events;
+    constexpr double slack = 1e-9;  // an event at 0.3 meets the step that starts at 0.29999999999999998
+    while (state.events_done < events.size() && events[state.events_done].time <= state.time + slack) {
+        const EventDesc& event = events[state.events_done++];
+        if (event.collider) {
+            auto& on = state.collider_on[*event.collider];
+            on = event.action == Switch::toggle ? !on : event.action == Switch::on;
+        }
+        if (event.integrator) state.integrator = *event.integrator;
+        if (event.toggle_integrator) {
+            state.integrator = state.integrator == IntegratorKind::implicit_euler
+                                   ? IntegratorKind::linearly_implicit_euler
+                                   : IntegratorKind::implicit_euler;
+        }
+    }
+}
+
+}  // namespace
+
+StepReport advance(const Model& model, State& state, Workspace& w) {
+    apply_events(model, state);
+    update_drags(model.scene.drags, state.time, state.positions, model.triangles, state.drags);
+
+    if (w.terms.barrier() && w.checked != state.collider_on) {
+        w.terms.begin({{{1.0, state.positions}}, model.time_step, state.time, state});
+        require_no_overlap(model, *w.terms.barrier(), state.positions);
+        w.checked = state.collider_on;
+    }
+
+    StepReport report;
+    report.energy_before = kinetic_energy(model, state) + w.terms.stored(state);
+    const State before = state;
+    report.converged = step_by(model, state, model.time_step, model.scene.simulation.retries, w, report);
+    if (!report.converged) {
+        state = before;
+        return report;
+    }
+    ++state.step;
+    state.time = static_cast<double>(state.step) * model.time_step;
+
+    const int bad = first_non_finite_vertex(state);
+    if (bad >= 0) {
+        report.non_finite_vertex = bad;
+        report.converged = false;
+        return report;
+    }
+    w.terms.finish(state);
+    report.energy_after = kinetic_energy(model, state) + w.terms.stored(state);
+    report.largest_stretch = largest_stretch(model.triangles, model.triangle_rest, state.positions);
+    return report;
+}
+
+}  // namespace cloth

@@ -1,0 +1,22 @@
+#include "sim/stepping/workspace.h"
+
+namespace cloth {
+
+Workspace::Workspace(const Model& model) : terms(model), pinned(model.pinned) {
+    if (terms.barrier()) {
+        solver = std::make_unique<ConjugateGradients>(model.pattern);
+    } else {
+        solver = std::make_unique<DirectSolver>(model.pattern);
+    }
+    solver->leave_out(pinned);
+}
+
+void Workspace::leave_out(const std::vector<Pin>& pins) {
+    std::vector<int> vertices;
+    for (const Pin& pin : pins) vertices.push_back(pin.vertex);
+    if (vertices == pinned) return;
+    pinned = std::move(vertices);
+    solver->leave_out(pinned);
+}
+
+}  // namespace cloth
