@@ -73,6 +73,19 @@ double parallel_reduce(int count, double start, const Value& value, const Combin
     return total;
 }
 
+/// What find(i, out), i in [0, count), appends to `out`, in the order of i.
+template <class T, class Find>
+std::vector<T> parallel_collect(int count, const Find& find) {
+    constexpr int block = 512;
+    std::vector<std::vector<T>> parts((count + block - 1) / block);
+    parallel_tasks(static_cast<int>(parts.size()), [&](int b) {
+        for (int i = b * block; i < std::min(count, (b + 1) * block); ++i) find(i, parts[b]);
+    });
+    std::vector<T> all;
+    for (const std::vector<T>& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+}
+
 template <class Value>
 double parallel_sum(int count, const Value& value) {
     return parallel_reduce(count, 0.0, value, [](double a, double b) { return a + b; });

@@ -5,13 +5,51 @@
 
 namespace cloth {
 
-void require_no_overlap(const Model& model, const BarrierContact& contact, const VecX& x) {
-    const auto overlaps = contact.overlaps(x, 10);
+std::vector<Overlap> find_overlaps(const ContactSet& set, const VecX& x, std::size_t most) {
+    std::vector<Overlap> found;
+    const ContactMesh& mesh = set.system().mesh;
+    const MovingColliders& colliders = set.colliders();
+    auto corners_of = [&](const std::array<int, 3>& face) {
+        return std::array<Vec3, 3>{colliders.point(x, face[0]), colliders.point(x, face[1]),
+                                   colliders.point(x, face[2])};
+    };
+    std::vector<MovingBox> boxes(mesh.vertex_count());
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        boxes[v].start.add(colliders.point(x, v));
+        boxes[v].end = boxes[v].start;
+    }
+    for (const auto& [f, g] : set.candidates().broad_phase().face_pairs(mesh, boxes, colliders.body_on())) {
+        if (found.size() >= most) return found;
+        const auto a = corners_of(mesh.faces[f]), b = corners_of(mesh.faces[g]);
+        if (!triangles_cross(a, b)) continue;
+        Overlap o;
+        o.faces = {f, g};
+        o.body_a = mesh.vertex_body[mesh.faces[f][0]];
+        o.body_b = mesh.vertex_body[mesh.faces[g][0]];
+        o.corners = {a, b};
+        found.push_back(o);
+    }
+    std::vector<Contact> memory;
+    for (const Contact& c : set.contacts(x, memory)) {
+        if (found.size() >= most) return found;
+        if (c.gap > 0.0) continue;
+        Overlap o;
+        o.points = c.points;
+        o.gap = c.gap;
+        o.body_a = mesh.vertex_body[c.points[0]];
+        o.body_b = c.plane >= 0 ? -1 - c.plane : mesh.vertex_body[c.points[c.split()]];
+        found.push_back(o);
+    }
+    return found;
+}
+
+void require_no_overlap(const Model& model, const ContactSet& set, const VecX& x) {
+    const auto overlaps = find_overlaps(set, x, 10);
     if (overlaps.empty()) return;
-    const ContactMesh& mesh = contact.system().mesh;
+    const ContactMesh& mesh = set.system().mesh;
     auto name = [&](int body) {
         if (body < 0)
-            return "collider " + model.scene.colliders[contact.system().planes[-1 - body].collider].name;
+            return "collider " + model.scene.colliders[set.system().planes[-1 - body].collider].name;
         const ContactBody& b = mesh.bodies[body];
         return b.collider ? "collider " + model.scene.colliders[b.index].name
                           : "cloth " + model.cloths[b.index].name;

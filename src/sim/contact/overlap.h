@@ -6,10 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "sim/contact/barrier_contact.h"
+#include "sim/contact/contact_set.h"
 #include "sim/model.h"
 
 namespace cloth {
+
+struct Overlap {
+    std::array<int, 2> faces{-1, -1};            ///< two triangles that cross, in ContactMesh numbers; or
+    std::array<int, 4> points{-1, -1, -1, -1};   ///< a pair nearer than its thickness; a plane: one vertex
+    double gap = 0.0;                            ///< [m]
+    int body_a = -1, body_b = -1;                ///< body_b = -1 - p: plane p
+    std::vector<std::array<Vec3, 3>> corners{};  ///< of `faces`, as they stand [m]
+};
+
+/// Triangles that cross and pairs nearer than their thickness, at x; at most `most`.
+std::vector<Overlap> find_overlaps(const ContactSet& set, const VecX& x, std::size_t most);
 
 /// Thrown where a step starts with things that overlap.
 class OverlapError : public std::runtime_error {
@@ -22,6 +33,6 @@ class OverlapError : public std::runtime_error {
 };
 
 /// Throws OverlapError where anything overlaps at x, naming up to ten pairs.
-void require_no_overlap(const Model& model, const BarrierContact& contact, const VecX& x);
+void require_no_overlap(const Model& model, const ContactSet& set, const VecX& x);
 
 }  // namespace cloth

@@ -71,9 +71,9 @@ StepReport advance(const Model& model, State& state, Workspace& w) {
     apply_events(model, state);
     update_drags(model.scene.drags, state.time, state.positions, model.triangles, state.drags);
 
-    if (w.terms.barrier() && w.checked != state.collider_on) {
+    if (w.terms.contact() && w.checked != state.collider_on) {
         w.terms.begin({{{1.0, state.positions}}, model.time_step, state.time, state});
-        require_no_overlap(model, *w.terms.barrier(), state.positions);
+        require_no_overlap(model, *w.terms.contact(), state.positions);
         w.checked = state.collider_on;
     }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/stopwatch.h"
+#include "sim/contact/ccd.h"
 #include "sim/stepping/line_search.h"
 
 namespace cloth {
@@ -17,6 +18,7 @@ class Minimization {
           w_(w),
           report_(report),
           times_(report.contact_times),
+          contact_(problem.terms.contact()),
           barrier_(problem.terms.barrier()),
           h2_(problem.h * problem.h) {
         const SimulationDesc& options = p_.model.scene.simulation;
@@ -72,7 +74,10 @@ class Minimization {
         double value = 0.5 / h2_ * w_.residual.dot(w_.momentum);
         if (p_.force.size() > 0) value -= p_.force.dot(at);
         value += p_.terms.value(at);
-        if (barrier_) value += barrier_->value(at);
+        if (barrier_) {
+            contact_->find(at);
+            value += barrier_->value(at);
+        }
         return value;
     }
 
@@ -80,7 +85,10 @@ class Minimization {
     double gradient(const VecX& at) {
         const TimedScope watch(times_.evaluation);
         p_.terms.gradient(at, w_.gradient);
-        if (barrier_) barrier_->add_gradient(at, w_.gradient);
+        if (barrier_) {
+            contact_->find(at);
+            barrier_->add_gradient(at, w_.gradient);
+        }
         if (p_.force.size() > 0) w_.gradient -= p_.force;
         w_.residual = at - p_.y;
         multiply(p_.model.pattern, p_.model.mass, w_.residual, w_.momentum);
@@ -95,6 +103,7 @@ class Minimization {
         inside.reset(p_.model.pattern);
         p_.terms.hessian(x, kind, inside);
         if (barrier_) {
+            contact_->find(x);
             barrier_->add_hessian(x, HessianKind::projected, slides, inside, w_.system.outside);
             for (Mat3& block : w_.system.outside.blocks) block *= h2_;
         }
@@ -173,12 +182,12 @@ class Minimization {
             return;
         }
         const TimedScope watch(times_.detection);
-        w_.trial = x + barrier_->truncated(x, way_to_guess(x));
+        w_.trial = x + truncated_way(*contact_, x, way_to_guess(x));
     }
 
     /// Takes pins and colliders to the stage's end.
     bool place(VecX& x) {
-        if ((!barrier_ || barrier_->placed()) && pins_placed(p_.pins, x)) return true;
+        if ((!barrier_ || contact_->placed()) && pins_placed(p_.pins, x)) return true;
         if (place_at_once(x)) return true;
         constexpr int most_placements = 60;
         for (int k = 0; k < most_placements; ++k) {
@@ -207,7 +216,7 @@ class Minimization {
                 share *= 0.5;
                 x = w_.start + share * way;
             }
-            if (barrier_) barrier_->place(share);
+            if (barrier_) contact_->place(share);
             if (share == 1.0) {
                 place_pinned(p_.pins, x);
                 return true;
@@ -228,20 +237,20 @@ class Minimization {
         }
         if (!std::isfinite(p_.terms.value(w_.trial))) return false;
         x = w_.trial;
-        if (barrier_) barrier_->place(1.0);
+        if (barrier_) contact_->place(1.0);
         return true;
     }
 
     double largest_share(const VecX& x, const VecX& d) const {
         if (!barrier_) return 1.0;
         const TimedScope watch(times_.detection);
-        return barrier_->largest_share(x, d);
+        return cloth::largest_share(*contact_, x, d);
     }
 
     double largest_share_placing(const VecX& x, const VecX& d) const {
         if (!barrier_) return 1.0;
         const TimedScope watch(times_.detection);
-        return barrier_->largest_share_placing(x, d);
+        return cloth::largest_share_placing(*contact_, x, d);
     }
 
     const NewtonProblem& p_;
@@ -249,7 +258,8 @@ class Minimization {
     NewtonWorkspace& w_;
     StepReport& report_;
     ContactTimes& times_;
-    BarrierContact* barrier_;  ///< null: none
+    ContactSet* contact_;            ///< null: no barriers
+    const BarrierContact* barrier_;  ///< null: none
     double h2_;
     StoppingRule rule_;
     bool slow_ = false;  ///< the last step was
@@ -261,9 +271,9 @@ StepReport minimize(const NewtonProblem& problem, LinearSolver& solver, NewtonWo
     StepReport report;
     solver.begin();
     report.converged = Minimization(problem, solver, workspace, report).run(x);
-    if (const BarrierContact* barrier = problem.terms.barrier(); barrier && report.converged) {
-        report.contacts = barrier->contact_count(x);
-        report.smallest_gap = barrier->smallest_gap(x);
+    if (const ContactSet* contact = problem.terms.contact(); contact && report.converged) {
+        report.contacts = contact_count(*contact, x);
+        report.smallest_gap = smallest_gap(*contact, x);
     }
     return report;
 }

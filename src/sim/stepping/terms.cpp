@@ -8,16 +8,17 @@ namespace cloth {
 Terms::Terms(const Model& model) : model_(model), stage_energies_(make_stage_energies(model)) {
     for (const auto& energy : stage_energies_) energy->bind(model.pattern);
     if (model.scene.simulation.contact == ContactKind::barrier) {
-        barrier_.emplace(make_contact_system(model));
+        contact_.emplace(make_contact_system(model));
+        barrier_.emplace(*contact_);
         barrier_->bind(model.pattern);
     }
 }
 
 void Terms::begin(const Stage& stage, double dissipation) {
     list(stage, dissipation);
-    if (!barrier_) return;
+    if (!contact_) return;
     const auto& colliders = model_.scene.colliders;
-    barrier_->begin(stage.start, stage.past.front().positions, stage.h,
+    contact_->begin(stage.start, stage.past.front().positions, stage.h,
                     placements_at(colliders, stage.start_time), placements_at(colliders, stage.time),
                     touched_colliders(model_, stage.state));
 }

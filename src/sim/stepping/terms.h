@@ -32,7 +32,9 @@ class Terms {
 
     /// Barrier contact: the one term that says how far a step may go, and whose Hessian couples more than the
     /// model's pattern. Null where there is none.
-    BarrierContact* barrier() { return barrier_ ? &*barrier_ : nullptr; }
+    const BarrierContact* barrier() const { return barrier_ ? &*barrier_ : nullptr; }
+    /// What it is of; to be asked to find() where the energy is to be quick.
+    ContactSet* contact() { return contact_ ? &*contact_ : nullptr; }
     /// Vertices that penalty contact met as the stage began.
     int penalty_contacts() const { return penalty_ ? penalty_->contact_count() : 0; }
 
@@ -51,6 +53,7 @@ class Terms {
     std::vector<std::unique_ptr<StageEnergy>> stage_energies_;
     std::optional<DragEnergy> drags_;
     std::optional<ColliderContactEnergy> penalty_;
+    std::optional<ContactSet> contact_;
     std::optional<BarrierContact> barrier_;
     std::vector<Term> terms_;
 };

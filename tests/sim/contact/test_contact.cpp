@@ -52,11 +52,12 @@ std::vector<VecX> poses() {
 }  // namespace
 
 TEST_CASE("barrier contact passes the battery", "[contact][energy]") {
-    BarrierContact contact(two_triangles(0.01));
+    ContactSet set(two_triangles(0.01));
+    BarrierContact contact(set);
     const std::vector<Placement> none;
     for (const VecX& x : poses()) {
-        contact.begin(x, x, 0.01, none, none, {});
-        REQUIRE(contact.contact_count(x) > 0);
+        set.begin(x, x, 0.01, none, none, {});
+        REQUIRE(contact_count(set, x) > 0);
         check_energy(
             contact, 6, {x},
             {.length = 0.002, .force_scale = 0.1, .stiffness_scale = 1.0, .rigid_motion_free = true});
@@ -73,7 +74,8 @@ TEST_CASE("friction between cloths and with colliders passes the battery", "[con
         s.rest.tail<3>() = Vec3(0.3, -0.4, 0.3);
         s.planes.push_back({1, Vec3(0, -0.095, 0), Vec3::UnitY(), 0.0, 0.7});
         s.sliding_speed = speed;
-        BarrierContact contact(s);
+        ContactSet set(s);
+        BarrierContact contact(set);
         Placement turned;
         turned.translation = Vec3(0.001, 0, -0.002);
         for (const VecX& x : poses()) {
@@ -81,8 +83,8 @@ TEST_CASE("friction between cloths and with colliders passes the battery", "[con
             std::mt19937 random(11);
             std::normal_distribution<double> normal;
             for (double& v : from) v += 0.003 * normal(random);
-            contact.begin(x, from, 0.01, {Placement(), Placement()}, {turned, turned}, {1, 1});
-            contact.place(1.0);
+            set.begin(x, from, 0.01, {Placement(), Placement()}, {turned, turned}, {1, 1});
+            set.place(1.0);
             check_energy(
                 contact, 6, {x},
                 {.length = 0.003, .force_scale = 1.0, .stiffness_scale = 100.0, .rigid_motion_free = false});
