@@ -9,7 +9,8 @@ namespace cloth {
 /// Least number of inserted, removed and replaced bytes that make `a` out of `b`.
 std::size_t edit_distance(const std::string& a, const std::string& b);
 
-/// The candidate nearest to `word`, or "" where none is near: at most 2 edits, or a third of its length.
+/// The candidate nearest to `word`, or "" where none is near: at most 2 edits or a third of its
+/// length, and fewer than it has bytes.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 
 /// "a, b, c".

@@ -852,7 +852,7 @@ TEST_CASE("the program tells of itself", "[cli]") {
     CHECK(list.code == 0);
     const Outcome keys = place.run("list keys");
     CHECK(keys.code == 0);
-    CHECK_THAT(keys.out, Contains("[[collider]]") && Contains("  contact_offset     number [m]"));
+    CHECK_THAT(keys.out, Contains("[[collider]]") && Contains("  contact_offset     number, ≥ 0 [m]"));
     for (const char* scene : {"seed_sheet", "seed_kick", "seed_drag", "drape_sphere", "hanging_sheet"})
         CHECK_THAT(list.out, Contains(scene));
     CHECK(place.run("list scenes").out == list.out);

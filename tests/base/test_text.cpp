@@ -12,10 +12,12 @@ TEST_CASE("the distance of two words counts inserted, removed and replaced lette
     CHECK(edit_distance("", "abc") == 3);
 }
 
-TEST_CASE("the nearest word is at most two edits off, or a third of its length", "[text]") {
+TEST_CASE("the nearest word is at most two edits off, or a third of its length, not all of it", "[text]") {
     CHECK(nearest_word("coton", {"denim", "cotton", "wool"}) == "cotton");
     CHECK(nearest_word("coton", {}) == "");
     CHECK(nearest_word("abc", {"xyz"}) == "");
+    CHECK(nearest_word("w", {"x"}) == "");
+    CHECK(nearest_word("", {"x"}) == "");
     CHECK(nearest_word("implct_eler", {"implicit_euler"}) == "implicit_euler");
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <cstddef>
 #include <system_error>
@@ -24,56 +23,30 @@ namespace {
 /// The resolved scene with the meshes and textures that it names beside it: the folder can be moved, and the
 /// originals may go.
 void keep_scene(const RunFolder& folder, const SceneFile& file) {
-    std::string text = file.resolved;
-    struct Edit {
-        std::size_t begin, end;
-        std::string text;
-    };
-    std::vector<Edit> edits;
-    const auto offset = [&](toml::source_position place) {
-        std::size_t at = 0;
-        for (toml::source_index line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
-        // Columns count code points; continuation bytes of UTF-8 belong to the one before.
-        for (toml::source_index column = 1; column < place.column; ++column) do
-                ++at;
-            while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80);
-        return at;
-    };
-    const toml::table root = toml::parse(text);
-    const auto replace = [&](const toml::node& entry, const char* key, const std::string& name) {
-        const toml::node* node = entry.as_table()->get(key);
-        if (node != nullptr && node->is_string())
-            edits.push_back({offset(node->source().begin), offset(node->source().end), '"' + name + '"'});
-    };
-    const auto keep_mesh = [&](const toml::node& entry, const char* key, const char* stem, std::size_t number,
+    FileNames kept;
+    const auto keep_mesh = [&](const std::string& key, const char* stem, std::size_t number,
                                const MeshData& mesh) {
-        const std::string name = fmt::format("meshes/{}_{:06d}.obj", stem, number);
+        kept[key] = fmt::format("meshes/{}_{:06d}.obj", stem, number);
         fs::create_directories(folder.meshes());
-        write_mesh(mesh, MeshFormat::obj, folder.root() / name);
-        replace(entry, key, name);
+        write_mesh(mesh, MeshFormat::obj, folder.root() / kept[key]);
     };
-    const auto* cloths = root["cloth"].as_array();
-    for (std::size_t c = 0; cloths != nullptr && c < cloths->size(); ++c) {
-        const ClothDesc& desc = file.scene.cloths.at(c);
-        const toml::node& entry = *cloths->get(c);
-        if (desc.mesh) keep_mesh(entry, "mesh", "rest", c, *desc.mesh);
+    for (std::size_t c = 0; c < file.scene.cloths.size(); ++c) {
+        const ClothDesc& desc = file.scene.cloths[c];
+        const std::string key = fmt::format("cloth[{}].", c);
+        if (desc.mesh) keep_mesh(key + "mesh", "rest", c, *desc.mesh);
         if (desc.pose)
-            keep_mesh(entry, "pose", "pose", c, {*desc.pose, desc.mesh ? desc.mesh->triangles : Triangles()});
+            keep_mesh(key + "pose", "pose", c, {*desc.pose, desc.mesh ? desc.mesh->triangles : Triangles()});
         if (const auto& image = file.cloth_looks.at(c).material.image) {
-            const std::string name = fmt::format("textures/cloth_{:06d}.png", c);
+            kept[key + "texture"] = fmt::format("textures/cloth_{:06d}.png", c);
             fs::create_directories(folder.textures());
-            render::write_png(*image, folder.root() / name);
-            replace(entry, "texture", name);
+            render::write_png(*image, folder.root() / kept[key + "texture"]);
         }
     }
-    const auto* colliders = root["collider"].as_array();
-    for (std::size_t c = 0; colliders != nullptr && c < colliders->size(); ++c) {
-        const ColliderDesc& desc = file.scene.colliders.at(c);
-        if (desc.mesh) keep_mesh(*colliders->get(c), "mesh", "collider", c, *desc.mesh);
+    for (std::size_t c = 0; c < file.scene.colliders.size(); ++c) {
+        const ColliderDesc& desc = file.scene.colliders[c];
+        if (desc.mesh) keep_mesh(fmt::format("collider[{}].mesh", c), "collider", c, *desc.mesh);
     }
-    std::sort(edits.begin(), edits.end(), [](const Edit& a, const Edit& b) { return a.begin > b.begin; });
-    for (const Edit& edit : edits) text.replace(edit.begin, edit.end - edit.begin, edit.text);
-    write_file(folder.scene(), text);
+    write_file(folder.scene(), file.resolved(kept));
 }
 
 }  // namespace

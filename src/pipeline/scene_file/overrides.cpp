@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <optional>
-#include <set>
 
 #include "pipeline/scene_file/reader.h"
+#include "pipeline/scene_file/tables.h"
 
 namespace cloth::pipeline {
 namespace {
@@ -23,7 +23,11 @@ const std::vector<std::vector<std::string>> alternatives{
     {"seam.second.vertices", "seam.second.box", "seam.second.nearest", "seam.second.greatest",
      "seam.second.edge"},
 };
-const std::set<std::string> lists{"cloth", "collider", "pin", "seam", "drag", "event", "light"};
+
+bool is_list(const std::string& table) {
+    return std::any_of(root_tables().begin(), root_tables().end(),
+                       [&](const RootTable& t) { return t.listed && t.name == table; });
+}
 
 void set_value(toml::table& table, const std::string& key, const std::string& text) {
     try {
@@ -91,7 +95,7 @@ void Reader::override_key(const Override& wanted) {
         if (name.empty()) refuse("a part of the key is empty");
         plain += (plain.empty() ? "" : ".") + name;
         const bool last = end == key.size();
-        const bool list = lists.count(plain) == 1;
+        const bool list = is_list(plain);
         if (index && !list) refuse(fmt::format("\"{}\" is no list of tables", plain));
         if (last) {
             if (list || index) refuse("names a whole table; name one of its keys");

@@ -1,17 +1,76 @@
 #pragma once
-// What a scene may ask of its pictures beyond the scene itself: how the camera moves, and what is drawn over
-// them. Plain structs; scene_file.h fills them.
+// What a scene may ask of its pictures beyond the scene itself: how cloths, colliders and the room are drawn,
+// how the camera moves, and what is drawn over the pictures. Plain structs with a default, a unit and the
+// effect of each field; picture_schema.h names their keys.
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "render/frame.h"
+#include "render/image/image.h"
 #include "sim/algebra/types.h"
 #include "sim/fields/vertex_fields.h"
 
 namespace cloth::pipeline {
+
+/// sRGB, each part 0 … 1; used in linear light.
+struct Color {
+    Vec3 srgb;
+    render::Float3 linear() const;
+};
+
+/// How the surface of a cloth or collider is drawn.
+struct LookDesc {
+    Color color{Vec3(0.8, 0.8, 0.8)};  ///< of the front
+    std::optional<Color> back_color;   ///< default: as the front
+    double roughness = 0.75;           ///< of the specular lobe
+    double specular = 0.03;            ///< reflectance at normal incidence
+    double sheen = 0.0;                ///< soft glow of fibres at grazing angles
+};
+
+struct ClothLookDesc : LookDesc {
+    ClothLookDesc() : LookDesc{.color = {Vec3(0.72, 0.16, 0.14)}, .sheen = 0.35} {}
+    int subdivisions = 1;  ///< Loop steps that smooth the drawn surface
+    std::optional<render::Pattern>
+        pattern;                 ///< on rest coordinates; on the back too, unless that has a colour
+    double pattern_scale = 0.2;  ///< width of one repeat of pattern or texture [m]
+    /// One to three, beside `color`.
+    std::vector<Color> pattern_colors{
+        {Vec3(0.93, 0.91, 0.86)}, {Vec3(0.10, 0.14, 0.26)}, {Vec3(0.85, 0.68, 0.25)}};
+    std::shared_ptr<const render::Image> texture;  ///< instead of a pattern
+    double weave = 0.0;                            ///< spacing of the threads [m]; 0: smooth
+    double weave_depth = 0.5;                      ///< slope of the threads' flanks
+    double hem = 0.002;                            ///< thickness of the rim as drawn [m]; 0: none
+};
+
+struct ColliderLookDesc : LookDesc {
+    ColliderLookDesc() : LookDesc{.color = {Vec3(0.35, 0.42, 0.5)}, .roughness = 0.35, .specular = 0.05} {}
+};
+
+struct LightDesc {
+    render::Float3 direction = render::Light{}.direction;  ///< from the scene towards the light
+    Color color{Vec3(1.0, 0.985, 0.96)};
+    float intensity = render::Light{}.intensity;  ///< irradiance of a facing plane
+    float softness = render::Light{}.softness;    ///< least half-width of a shadow's edge [m]
+    float angle = render::Light{}.angle;          ///< across the light, as seen from the scene [degree]
+    bool shadow = render::Light{}.shadow;
+};
+
+struct GroundDesc {
+    double height = 0.0;  ///< y of the floor [m]
+    Color color{Vec3(0.78, 0.78, 0.78)};
+};
+
+struct BackgroundDesc {
+    Color color{Vec3(0.87, 0.89, 0.91)};  ///< behind everything
+    Color sky{Vec3(0.69, 0.71, 0.75)};    ///< light from above
+    bool ambient_occlusion = render::View{}.ambient_occlusion;
+    double exposure = 1.0;  ///< factor on all light
+};
 
 /// A place of the camera on its way; what is left out is as in CameraDesc.
 struct CameraKey {
@@ -64,6 +123,24 @@ struct AnnotationDesc {
     std::vector<Curve> curves;
     int motion_blur = 1;   ///< pictures of which each frame is the mean; 1: none
     double shutter = 0.5;  ///< share of the frame's time during which they are taken, up to its end
+};
+
+/// Width and height [pixel].
+struct PixelSize {
+    int width, height;
+};
+
+struct OutputDesc {
+    PixelSize size{1280, 720};            ///< of the pictures
+    int frames = 300;                     ///< when the command line does not say
+    std::optional<double> playback_rate;  ///< frames per second of the movie; default: simulation frame rate
+    int quality = 18;                     ///< H.264 constant rate factor, 0 (lossless) … 51
+};
+
+/// Portable tolerance of golden states, per scene.
+struct ExpectDesc {
+    double state_tolerance = 1e-6;  ///< greatest distance of any vertex where the build differs [m]
+    std::vector<int> frames;        ///< golden frames
 };
 
 inline const std::string default_caption = "{scene}   t = {time} s   frame {frame}";

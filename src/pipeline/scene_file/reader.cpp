@@ -14,10 +14,6 @@ void refuse_scene(const std::string& message) {
     throw Error(ExitCode::invalid_scene, one_line(message));
 }
 
-std::string entry(const char* table, std::size_t index) {
-    return fmt::format("{}[{}]", table, index);
-}
-
 void Reader::parse(const std::string& text) {
     try {
         root_ = toml::parse(text, label_);
@@ -74,26 +70,39 @@ std::vector<const toml::table*> Reader::list(const std::string& key) {
     return tables;
 }
 
-void Reader::fail(const std::string& key, const std::string& message) {
-    const toml::node* node = &root_;
+namespace {
+
+/// The deepest part of a dotted key that a table has, and whether that is all of it.
+std::pair<const toml::node*, bool> walk(const toml::table& root, const std::string& key) {
+    const toml::node* node = &root;
     std::string rest = key;
     while (!rest.empty()) {
-        const std::size_t end = rest.find_first_of(".[");
-        const std::string name = rest.substr(0, end);
+        const std::size_t end = rest.find_first_of(".[", 1);
+        const std::string part = rest.substr(0, end);
         const toml::node* next = nullptr;
-        if (rest[0] == '[') {
-            const std::size_t close = rest.find(']');
-            if (node->is_array()) next = node->as_array()->get(std::strtoul(rest.c_str() + 1, nullptr, 10));
-            rest = close == rest.npos ? "" : rest.substr(close + 1);
-        } else {
-            if (node->is_table()) next = node->as_table()->get(name);
-            rest = end == rest.npos ? "" : rest.substr(end);
+        if (part[0] == '[') {
+            // A list of one may be written as a table.
+            if (node->is_table() && part == "[0]") next = node;
+            if (node->is_array()) next = node->as_array()->get(std::strtoul(part.c_str() + 1, nullptr, 10));
+        } else if (node->is_table()) {
+            next = node->as_table()->get(part);
         }
-        if (!rest.empty() && rest[0] == '.') rest.erase(0, 1);
-        if (!next) break;
+        if (!next) return {node, false};
         node = next;
+        rest = end == rest.npos ? "" : rest.substr(end + (rest[end] == '.'));
     }
-    fail_at(node->source(), key, message);
+    return {node, true};
+}
+
+}  // namespace
+
+const toml::node* Reader::find(const std::string& key) const {
+    const auto [node, whole] = walk(root_, key);
+    return whole ? node : nullptr;
+}
+
+void Reader::fail(const std::string& key, const std::string& message) {
+    fail_at(walk(root_, key).first->source(), key, message);
 }
 
 fs::path Reader::find_file(const std::string& name) const {

@@ -16,9 +16,6 @@ namespace cloth::pipeline {
 /// Throws Error(invalid_scene) with `message` as one line.
 [[noreturn]] void refuse_scene(const std::string& message);
 
-/// "cloth[2]".
-std::string entry(const char* table, std::size_t index);
-
 class Reader {
   public:
     /// `label` stands for the file in messages, relative paths start at `folder`.
@@ -37,6 +34,9 @@ class Reader {
     /// The tables of a list of the root.
     std::vector<const toml::table*> list(const std::string& key);
     const toml::table& root() const { return root_; }
+
+    /// What a dotted key ("cloth[0].fabric") holds; null where the file does not have it.
+    const toml::node* find(const std::string& key) const;
 
     /// Throws for a dotted key, at the place of the deepest part of it that the file has.
     [[noreturn]] void fail(const std::string& key, const std::string& message);

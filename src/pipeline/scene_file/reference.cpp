@@ -1,62 +1,54 @@
 // Tells of every key of a scene file.
 
-#include "pipeline/scene_file/document.h"
+#include <algorithm>
+
+#include "pipeline/scene_file/tables.h"
 
 namespace cloth::pipeline {
+namespace {
+
+std::string title(const Table& table) {
+    if (table.name.empty()) return "(top of the file)";
+    if (table.name == "cloth.fabric")
+        return "[cloth.fabric]  (or fabric = \"cotton\"; base = \"cotton\" begins with its values)";
+    if (table.name == "seam.first") return "[seam.first], [seam.second]";
+    if (table.name == "ground")
+        return "[ground]  (no table: the first level plane that stands still is drawn so, or no floor)";
+    return table.header();
+}
+
+/// Characters of UTF-8 text.
+std::ptrdiff_t width(const std::string& text) {
+    return std::count_if(text.begin(), text.end(),
+                         [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
+}
+
+std::string line(const Field& f) {
+    std::string kind = f.words;
+    if (!f.range.empty()) kind += ", " + f.range;
+    kind += unit_suffix(f);
+    std::string help = f.meaning;
+    const std::string value = f.applies ? f.write() : "";
+    if (!value.empty() && value != "\"\"") {
+        help += (help.empty() ? "default " : "; default ") + value;
+    } else if (help.find("default") == help.npos) {
+        help += help.empty() ? "none by default" : "; none by default";
+    }
+    // A long kind gets a line of its own.
+    const std::string gap = width(kind) > 26 ? fmt::format("\n  {:<18} {:<26} ", "", "") : " ";
+    return fmt::format("  {:<18} {:<26}", f.key, kind) + gap + help + "\n";
+}
+
+}  // namespace
 
 std::string key_reference() {
-    Document d;
-    ClothEntry cloth;
-    cloth.size = cloth.desc.grid.size;
-    cloth.resolution = Resolution{cloth.desc.grid.resolution};
-    cloth.diagonals = cloth.desc.grid.diagonals;
-    ColliderEntry collider;
-    PinEntry pin;
-    SeamEntry seam;
-    DragEntry drag;
-    EventEntry event;
-    GroundEntry ground;
+    SceneFile each = scene_of_each();
     std::string text;
-    auto table = [&](const std::string& title, const Fields& fields) {
-        text += (text.empty() ? "" : "\n") + title + "\n";
-        for (const Field& f : fields) {
-            std::string kind = f.type;
-            // The unit of a choice is the list of its names.
-            const bool names = f.type == "one of" || f.type == "list of";
-            if (!f.range.empty()) kind += ", " + f.range;
-            if (!f.unit.empty()) kind += names ? " " + f.unit : " [" + f.unit + "]";
-            const std::string value = f.write();
-            std::string help = f.help;
-            if (!value.empty() && value != "\"\"") {
-                help += (help.empty() ? "default " : "; default ") + value;
-            } else if (help.find("default") == help.npos) {
-                help += help.empty() ? "none by default" : "; none by default";
-            }
-            // A long kind gets a line of its own.
-            const bool wide = kind.size() > 26;
-            text += fmt::format("  {:<18} {:<26}", f.key, kind);
-            text += (wide ? fmt::format("\n  {:<18} {:<26} ", "", "") : " ") + help + "\n";
-        }
-    };
-    table("(top of the file)", d.top_fields());
-    table("[simulation]", d.simulation_fields());
-    table("[air]", d.air_fields());
-    table("[[cloth]]", cloth.fields());
-    table("[cloth.fabric]  (or fabric = \"cotton\"; base = \"cotton\" begins with its values)",
-          cloth.fabric_fields());
-    table("[[collider]]", collider.fields());
-    table("[[pin]]", pin.fields());
-    table("[[seam]]", seam.fields());
-    table("[seam.first], [seam.second]", seam.side_fields(0));
-    table("[[drag]]", drag.fields());
-    table("[[event]]", event.fields());
-    table("[camera]", d.camera.fields());
-    table("[[light]]", d.light.fields());
-    table("[ground]  (no table: the first level plane that stands still is drawn so, or no floor)",
-          ground.fields());
-    table("[background]", d.background.fields());
-    table("[output]", d.output_fields());
-    table("[expect]", d.expect_fields());
+    for (const Table& table : tables_of(each, each.files)) {
+        if (table.name == "seam.second") continue;
+        text += (text.empty() ? "" : "\n") + title(table) + "\n";
+        for (const Field& f : table.fields) text += line(f);
+    }
     return text;
 }
 

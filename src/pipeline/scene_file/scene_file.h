@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,40 +15,46 @@
 
 namespace cloth::pipeline {
 
-/// How a cloth or collider is drawn.
+/// How a cloth or collider is drawn, as the renderer takes it.
 struct Look {
     render::Material material;
     int subdivisions = 0;  ///< Loop steps that smooth the drawn surface (cloth alone)
     double hem = 0;        ///< thickness of the rim as drawn; 0: none (cloth alone) [m]
 };
 
-struct OutputDesc {
-    int width = 1280, height = 720;       ///< of the pictures [pixel]
-    int frames = 300;                     ///< when the command line does not say
-    std::optional<double> playback_rate;  ///< frames per second of the movie; default: simulation frame rate
-    int quality = 18;                     ///< H.264 constant rate factor, 0 (lossless) … 51
+/// How everything looks, as a scene says it.
+struct LooksDesc {
+    std::vector<ClothLookDesc> cloths;        ///< one per cloth
+    std::vector<ColliderLookDesc> colliders;  ///< one per collider
+    LightDesc light;
+    std::optional<GroundDesc> ground;
+    BackgroundDesc background;
 };
 
-/// Portable tolerance of golden states, per scene.
-struct ExpectDesc {
-    double state_tolerance = 1e-6;  ///< greatest distance of any vertex where the build differs [m]
-    std::vector<int> frames;        ///< golden frames
-    int frames_simulated = 0;       ///< frames that compare and bless run: the greatest of `frames` + 1
-};
+/// The keys that name a file ("cloth[0].mesh"), and the files as they are named there.
+using FileNames = std::map<std::string, std::string>;
 
 struct SceneFile {
     std::string name;  ///< file name without .toml
+    int version = 1;
     std::string description;
     Scene scene;
-    render::View view;  ///< size, camera at rest and light
-    CameraDesc camera;  ///< how it moves
+    LooksDesc looks;
+    CameraDesc camera;
     AnnotationDesc annotation;
+    OutputDesc output;
+    ExpectDesc expect;
+    FileNames files;  ///< absolute names of all meshes and textures that were read
+
+    // What the renderer takes of the above.
+    render::View view;  ///< size, camera at rest and light
     std::optional<render::Ground> ground;
     std::vector<Look> cloth_looks;     ///< one per cloth
     std::vector<Look> collider_looks;  ///< one per collider
-    OutputDesc output;
-    ExpectDesc expect;
-    std::string resolved;  ///< TOML of this scene with every default written out; loads to the same
+
+    /// TOML of this scene with every default written out; loads to the same. `kept` names files otherwise
+    /// than they were read.
+    std::string resolved(const FileNames& kept = {}) const;
 };
 
 /// KEY=VALUE over what the file says; VALUE is a TOML value (a bare word counts as a string). `cloth.mesh`
@@ -71,8 +78,15 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
 SceneFile parse_scene(const std::string& text, const std::string& label, const std::filesystem::path& folder,
                       const Overrides& overrides = {});
 
+/// The first key that differs in two scenes, to the bit, or whose vertices, triangles or pixels do; "" where
+/// none does. Their names and the files' may differ.
+std::string difference(const SceneFile& a, const SceneFile& b);
+
 /// Every key of a scene file with its type, unit, range, default and meaning, table by table.
 std::string key_reference();
+
+/// The same for editors and other programs: a JSON Schema (draft 2020-12) of scene files as text.
+std::string json_schema();
 
 /// Where scenes are looked for: $CLOTH_ASSETS/scenes, then assets/scenes of the source tree.
 std::vector<std::filesystem::path> scene_folders();

@@ -1,6 +1,8 @@
 #pragma once
-// How each type of value stands in a scene file: read from a TOML node, and written back.
+// How each type of value stands in a scene file: Value<T> reads it from a TOML node, writes it back to the
+// bit, says in words what a file has to hold, and as a JSON Schema with the range of its numbers.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -10,8 +12,9 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include "render/frame.h"
-#include "sim/scene/scene.h"
+#include "base/text.h"
+#include "pipeline/scene_file/picture_desc.h"
+#include "sim/scene/schema.h"
 
 namespace cloth::pipeline {
 
@@ -28,98 +31,73 @@ std::string type_name(const toml::node& node);
 
 [[noreturn]] void wrong_type(const toml::node& node, const std::string& wanted);
 
+/// The entries of an array; of exactly `size` unless that is 0. `wanted` for the refusal.
+const toml::array& array_of(const toml::node& node, std::size_t size, const std::string& wanted);
+
 /// The shortest digits that read back to the same bits, with a point or an exponent.
 std::string digits(double value);
+std::string digits(float value);
 
-/// How each type of field is read from a TOML node and written back.
+/// A JSON Schema of a number, of an array of least … most entries (most 0: any), of one of some words.
+std::string number_schema(bool whole, const Range& range);
+std::string list_schema(const std::string& entry, std::size_t least, std::size_t most);
+std::string words_schema(const std::vector<std::string>& words);
+
 template <class T>
 struct Value;
 
 template <>
 struct Value<double> {
-    static constexpr const char* wanted = "a number";
-    static double read(const toml::node& node) {
-        const auto value = node.value<double>();
-        if (!value || node.is_boolean() || node.is_string()) wrong_type(node, wanted);
-        if (!std::isfinite(*value)) throw BadValue{"is not finite; must be a finite number"};
-        return *value;
-    }
+    static double read(const toml::node& node);
     static std::string write(double value) { return digits(value); }
+    static std::string words() { return "number"; }
+    static std::string schema(const Range& range) { return number_schema(false, range); }
 };
 
 template <>
 struct Value<float> {
     static float read(const toml::node& node) { return static_cast<float>(Value<double>::read(node)); }
-    static std::string write(float value) { return digits(static_cast<double>(value)); }
+    static std::string write(float value) { return digits(value); }
+    static std::string words() { return "number"; }
+    static std::string schema(const Range& range) { return number_schema(false, range); }
 };
 
 template <>
 struct Value<int> {
-    static int read(const toml::node& node) {
-        if (!node.is_integer()) wrong_type(node, "a whole number");
-        const std::int64_t value = *node.value<std::int64_t>();
-        if (value < -2147483648LL || value > 2147483647LL) {
-            throw BadValue{fmt::format("is {}; must be between -2147483648 and 2147483647", value)};
-        }
-        return static_cast<int>(value);
-    }
+    static int read(const toml::node& node);
     static std::string write(int value) { return std::to_string(value); }
+    static std::string words() { return "whole number"; }
+    static std::string schema(const Range& range) { return number_schema(true, range); }
 };
 
 template <>
 struct Value<std::uint32_t> {
-    static std::uint32_t read(const toml::node& node) {
-        if (!node.is_integer()) wrong_type(node, "a whole number");
-        const std::int64_t value = *node.value<std::int64_t>();
-        if (value < 0 || value > 4294967295LL)
-            throw BadValue{fmt::format("is {}; must be 0 … 4294967295", value)};
-        return static_cast<std::uint32_t>(value);
-    }
+    static std::uint32_t read(const toml::node& node);
     static std::string write(std::uint32_t value) { return std::to_string(value); }
+    static std::string words() { return "whole number"; }
+    static std::string schema(const Range& range) { return number_schema(true, range); }
 };
 
 template <>
 struct Value<bool> {
-    static bool read(const toml::node& node) {
-        if (!node.is_boolean()) wrong_type(node, "true or false");
-        return *node.value<bool>();
-    }
+    static bool read(const toml::node& node);
     static std::string write(bool value) { return value ? "true" : "false"; }
+    static std::string words() { return "true or false"; }
+    static std::string schema(const Range&) { return R"({"type":"boolean"})"; }
 };
 
 template <>
 struct Value<std::string> {
-    static std::string read(const toml::node& node) {
-        if (!node.is_string()) wrong_type(node, "a string");
-        return *node.value<std::string>();
-    }
-    static std::string write(const std::string& value) {
-        std::string text = "\"";
-        for (char c : value) {
-            if (c == '"' || c == '\\') text += '\\';
-            if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-                text += fmt::format("\\u{:04x}", static_cast<int>(c));
-            } else {
-                text += c;
-            }
-        }
-        return text + "\"";
-    }
+    static std::string read(const toml::node& node);
+    static std::string write(const std::string& value);
+    static std::string words() { return "text"; }
+    static std::string schema(const Range&) { return R"({"type":"string"})"; }
 };
-
-inline const toml::array& array_of(const toml::node& node, std::size_t size, const std::string& wanted) {
-    const toml::array* array = node.as_array();
-    if (!array) wrong_type(node, wanted);
-    if (size && array->size() != size) {
-        throw BadValue{fmt::format("has {} entries; must be {}", array->size(), wanted)};
-    }
-    return *array;
-}
 
 template <int N>
 struct Value<Eigen::Matrix<double, N, 1>> {
     static Eigen::Matrix<double, N, 1> read(const toml::node& node) {
-        const toml::array& array = array_of(node, N, N == 2 ? "[x, y]" : "[x, y, z]");
+        const toml::array& array = array_of(node, N, words());
         Eigen::Matrix<double, N, 1> value;
         for (int i = 0; i < N; ++i) value(i) = Value<double>::read(array[i]);
         return value;
@@ -129,6 +107,16 @@ struct Value<Eigen::Matrix<double, N, 1>> {
         for (int i = 0; i < N; ++i) text += (i ? ", " : "[") + digits(value(i));
         return text + "]";
     }
+    static std::string words() { return N == 2 ? "[x, y]" : "[x, y, z]"; }
+    static std::string schema(const Range& range) { return list_schema(number_schema(false, range), N, N); }
+};
+
+template <>
+struct Value<render::Float3> {
+    static render::Float3 read(const toml::node& node);
+    static std::string write(const render::Float3& v);
+    static std::string words() { return "[x, y, z]"; }
+    static std::string schema(const Range& range) { return list_schema(number_schema(false, range), 3, 3); }
 };
 
 template <class T>
@@ -150,6 +138,8 @@ struct Value<std::vector<T>> {
         for (const T& value : values) text += (text.empty() ? "" : ", ") + Value<T>::write(value);
         return "[" + text + "]";
     }
+    static std::string words() { return "list of " + Value<T>::words(); }
+    static std::string schema(const Range& range) { return list_schema(Value<T>::schema(range), 0, 0); }
 };
 
 template <class T>
@@ -161,123 +151,120 @@ struct Value<std::array<T, 2>> {
     static std::string write(const std::array<T, 2>& v) {
         return "[" + Value<T>::write(v[0]) + ", " + Value<T>::write(v[1]) + "]";
     }
+    static std::string words() { return "[" + Value<T>::words() + ", " + Value<T>::words() + "]"; }
+    static std::string schema(const Range& range) { return list_schema(Value<T>::schema(range), 2, 2); }
+};
+
+/// Whole numbers along x and along y, or one for both.
+template <>
+struct Value<std::array<int, 2>> {
+    static std::array<int, 2> read(const toml::node& node);
+    static std::string write(const std::array<int, 2>& v) { return fmt::format("[{}, {}]", v[0], v[1]); }
+    static std::string words() { return "whole number or [along x, along y]"; }
+    static std::string schema(const Range& range) {
+        const std::string one = number_schema(true, range);
+        return R"({"anyOf":[)" + one + "," + list_schema(one, 2, 2) + "]}";
+    }
 };
 
 template <>
 struct Value<DragDesc::Key> {
-    static DragDesc::Key read(const toml::node& node) {
-        const toml::array& array = array_of(node, 3, "[time, x, y]");
-        return {Value<double>::read(array[0]),
-                {Value<double>::read(array[1]), Value<double>::read(array[2])}};
-    }
+    static DragDesc::Key read(const toml::node& node);
     static std::string write(const DragDesc::Key& key) {
         return Value<Vec3>::write(Vec3(key.time, key.pixel.x(), key.pixel.y()));
     }
-};
-
-/// One whole number for both directions, or [x, y].
-struct Resolution {
-    static constexpr const char* type = "whole number or [along x, along y]";
-    std::array<int, 2> count;
-};
-template <>
-struct Value<Resolution> {
-    static Resolution read(const toml::node& node) {
-        if (node.is_integer()) return {{Value<int>::read(node), Value<int>::read(node)}};
-        if (!node.is_array()) wrong_type(node, "a whole number or [along x, along y]");
-        return {Value<std::array<int, 2>>::read(node)};
-    }
-    static std::string write(const Resolution& r) { return Value<std::array<int, 2>>::write(r.count); }
-};
-
-/// A cloth by its name, or by its index counted from 0.
-struct ClothReference {
-    static constexpr const char* type = "name or index";
-    std::string name;
-    int index = -1;  ///< used where the name is empty
-};
-template <>
-struct Value<ClothReference> {
-    static ClothReference read(const toml::node& node) {
-        if (node.is_integer()) return {"", Value<int>::read(node)};
-        if (!node.is_string()) wrong_type(node, "a cloth's name or its index");
-        return {Value<std::string>::read(node)};
-    }
-    static std::string write(const ClothReference& r) {
-        return r.name.empty() ? std::to_string(r.index) : Value<std::string>::write(r.name);
-    }
+    static std::string words() { return "[time, x, y]"; }
+    static std::string schema(const Range& range) { return list_schema(number_schema(false, range), 3, 3); }
 };
 
 /// "640x360" or [640, 360].
-struct PixelSize {
-    static constexpr const char* type = "\"WxH\" or [width, height]";
-    int width, height;
-};
 template <>
 struct Value<PixelSize> {
-    static PixelSize read(const toml::node& node) {
-        PixelSize size{0, 0};
-        if (node.is_array()) {
-            const auto pair = Value<std::array<int, 2>>::read(node);
-            size = {pair[0], pair[1]};
-        } else {
-            const std::string text = node.is_string() ? *node.value<std::string>() : "";
-            const std::size_t x = text.find('x');
-            const auto side = [&](const std::string& digits) {
-                if (digits.empty() || digits.size() > 9 ||
-                    digits.find_first_not_of("0123456789") != digits.npos) {
-                    throw BadValue{fmt::format("is {}; must be \"WIDTHxHEIGHT\" or [width, height]",
-                                               node.is_string() ? '"' + text + '"' : type_name(node))};
-                }
-                return std::stoi(digits);
-            };
-            size.width = side(text.substr(0, x));
-            size.height = side(x == text.npos ? "" : text.substr(x + 1));
-        }
-        for (int side : {size.width, size.height}) {
-            if (side < 16 || side > 8192)
-                throw BadValue{fmt::format("has a side of {} pixel; must be 16 … 8192", side)};
-        }
-        return size;
-    }
+    static PixelSize read(const toml::node& node);
     static std::string write(const PixelSize& s) { return fmt::format("[{}, {}]", s.width, s.height); }
+    static std::string words() { return "\"WxH\" or [width, height]"; }
+    static std::string schema(const Range& range) {
+        return R"({"anyOf":[{"type":"string","pattern":"^[0-9]+x[0-9]+$"},)" +
+               list_schema(number_schema(true, range), 2, 2) + "]}";
+    }
 };
 
-/// sRGB, as "#rrggbb" or [r, g, b] in 0 … 1; kept as it was given, used in linear light.
-struct Color {
-    static constexpr const char* type = "\"#rrggbb\" or [r, g, b]";
-    Vec3 srgb;
-    render::Float3 linear() const {
-        render::Float3 result{};
-        for (int i = 0; i < 3; ++i) {
-            const double c = srgb(i);
-            result[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-        }
-        return result;
-    }
-};
+/// "#rrggbb" or [r, g, b].
 template <>
 struct Value<Color> {
-    static Color read(const toml::node& node) {
-        static const char* wanted = "\"#rrggbb\" or [red, green, blue], each 0 … 1 (sRGB)";
-        if (node.is_array()) {
-            if (node.as_array()->size() != 3) throw BadValue{fmt::format("must be {}", wanted)};
-            const Color color{Value<Vec3>::read(node)};
-            if ((color.srgb.array() < 0.0).any() || (color.srgb.array() > 1.0).any()) {
-                throw BadValue{fmt::format("is out of range; must be {}", wanted)};
-            }
-            return color;
-        }
-        const std::string text = node.is_string() ? *node.value<std::string>() : "";
-        if (text.size() != 7 || text[0] != '#' ||
-            text.find_first_not_of("0123456789abcdefABCDEF", 1) != text.npos) {
-            wrong_type(node, wanted);
-        }
-        const long rgb = std::strtol(text.c_str() + 1, nullptr, 16);
-        return {Vec3(static_cast<double>(rgb >> 16), static_cast<double>((rgb >> 8) & 255),
-                     static_cast<double>(rgb & 255)) /
-                255.0};
-    }
+    static Color read(const toml::node& node);
     static std::string write(const Color& color) { return Value<Vec3>::write(color.srgb); }
+    static std::string words() { return "\"#rrggbb\" or [r, g, b]"; }
+    static std::string schema(const Range&) {
+        return R"({"anyOf":[{"type":"string","pattern":"^#[0-9a-fA-F]{6}$"},)" +
+               list_schema(number_schema(false, range(0.0, 1.0)), 3, 3) + "]}";
+    }
 };
+
+template <>
+struct Value<PicturePlace> {
+    static PicturePlace read(const toml::node& node);
+    static std::string write(const PicturePlace& p) { return Value<Vec3>::write(Vec3(p.x, p.y, p.radius)); }
+    static std::string words() { return "[x, y] or [x, y, radius]"; }
+    static std::string schema(const Range& range) { return list_schema(number_schema(false, range), 2, 3); }
+};
+
+/// A text with known words in braces.
+struct Caption {
+    /// The text; none for false.
+    static std::optional<std::string> read(const toml::node& node);
+    static std::string write(const std::optional<std::string>& text) {
+        return text ? Value<std::string>::write(*text) : "false";
+    }
+};
+
+/// The word of a list that a node holds, by its index.
+std::size_t read_word(const toml::node& node, const std::vector<std::string>& words);
+
+template <class E>
+requires std::is_enum_v<E>
+struct Value<E> {
+    static std::vector<std::string> known() {
+        std::vector<std::string> words;
+        for (const auto& [value, name] : names_of(E{})) words.emplace_back(name);
+        return words;
+    }
+    static E read(const toml::node& node) { return names_of(E{})[read_word(node, known())].value; }
+    static std::string write(E value) {
+        for (const auto& [each, name] : names_of(E{})) {
+            if (each == value) return Value<std::string>::write(name);
+        }
+        return "";
+    }
+    static std::string words() { return "one of " + join(known()); }
+    static std::string schema(const Range&) { return words_schema(known()); }
+};
+
+/// A list of names, each at most once.
+template <class E>
+requires std::is_enum_v<E>
+struct Value<std::vector<E>> {
+    static std::vector<E> read(const toml::node& node) {
+        std::vector<E> values;
+        for (const toml::node& entry : array_of(node, 0, "a list of names")) {
+            const std::string part = fmt::format("[{}]", values.size());
+            try {
+                values.push_back(Value<E>::read(entry));
+            } catch (const BadValue& bad) {
+                throw BadValue{bad.what, part, entry.source()};
+            }
+            if (std::count(values.begin(), values.end(), values.back()) > 1)
+                throw BadValue{"stands there twice", part, entry.source()};
+        }
+        return values;
+    }
+    static std::string write(const std::vector<E>& values) {
+        std::string text;
+        for (E value : values) text += (text.empty() ? "" : ", ") + Value<E>::write(value);
+        return "[" + text + "]";
+    }
+    static std::string words() { return "list of " + join(Value<E>::known()); }
+    static std::string schema(const Range&) { return list_schema(words_schema(Value<E>::known()), 0, 0); }
+};
+
 }  // namespace cloth::pipeline

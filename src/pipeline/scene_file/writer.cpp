@@ -1,45 +1,47 @@
-// Writes a scene as TOML.
+// Writes a scene as TOML, and compares two by what would be written.
 
-#include "pipeline/scene_file/document.h"
+#include "pipeline/scene_file/tables.h"
 
 namespace cloth::pipeline {
 namespace {
 
-std::string write_fields(const Fields& fields) {
-    std::string text;
-    for (const Field& f : fields) {
-        const std::string value = f.write();
-        if (!value.empty()) text += f.key + " = " + value + "\n";
-    }
-    return text;
+/// The tables of a scene that is only read.
+Tables tables_of(const SceneFile& file, FileNames& files) {
+    return tables_of(const_cast<SceneFile&>(file), files);
 }
 
 }  // namespace
 
-std::string write_document(Document& d) {
-    std::string text = write_fields(d.top_fields());
-    text += "\n[simulation]\n" + write_fields(d.simulation_fields());
-    text += "\n[air]\n" + write_fields(d.air_fields());
-    for (ClothEntry& c : d.cloths) {
-        text += "\n[[cloth]]\n" + write_fields(c.fields()) + "\n[cloth.fabric]\n" +
-                write_fields(c.fabric_fields());
+std::string SceneFile::resolved(const FileNames& kept) const {
+    FileNames names = files;
+    for (const auto& [key, as_kept] : kept) names[key] = as_kept;
+    std::string text;
+    for (const Table& table : tables_of(*this, names)) {
+        if (!table.name.empty()) text += "\n" + table.header() + "\n";
+        for (const Field& f : table.fields) {
+            const std::string value = f.applies ? f.write() : "";
+            if (!value.empty()) text += f.key + " = " + value + "\n";
+        }
     }
-    for (ColliderEntry& c : d.colliders) text += "\n[[collider]]\n" + write_fields(c.fields());
-    for (PinEntry& p : d.pins) text += "\n[[pin]]\n" + write_fields(p.fields());
-    for (SeamEntry& s : d.seams) {
-        text += "\n[[seam]]\n" + write_fields(s.fields());
-        for (int side = 0; side < 2; ++side)
-            text += fmt::format("\n[seam.{}]\n", seam_sides[side]) + write_fields(s.side_fields(side));
-    }
-    for (DragEntry& drag : d.drags) text += "\n[[drag]]\n" + write_fields(drag.fields());
-    for (EventEntry& e : d.events) text += "\n[[event]]\n" + write_fields(e.fields());
-    text += "\n[camera]\n" + write_fields(d.camera.fields());
-    text += "\n[[light]]\n" + write_fields(d.light.fields());
-    if (d.ground) text += "\n[ground]\n" + write_fields(d.ground->fields());
-    text += "\n[background]\n" + write_fields(d.background.fields());
-    text += "\n[output]\n" + write_fields(d.output_fields());
-    text += "\n[expect]\n" + write_fields(d.expect_fields());
     return text;
+}
+
+std::string difference(const SceneFile& a, const SceneFile& b) {
+    FileNames files_a = a.files, files_b = b.files;
+    const Tables tables_a = tables_of(a, files_a), tables_b = tables_of(b, files_b);
+    auto other = tables_b.begin();
+    for (const Table& table : tables_a) {
+        if (other == tables_b.end() || table.path != other->path) return table.path;
+        auto g = other->fields.begin();
+        for (const Field& f : table.fields) {
+            const bool same = f.applies == g->applies &&
+                              (f.content ? f.content() == g->content() : f.write() == g->write());
+            if (!same) return table.path + (table.path.empty() ? "" : ".") + f.key;
+            ++g;
+        }
+        ++other;
+    }
+    return other == tables_b.end() ? "" : other->path;
 }
 
 }  // namespace cloth::pipeline

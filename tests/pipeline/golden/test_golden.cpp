@@ -40,7 +40,6 @@ SceneFile small_scene() {
     file.ground = render::Ground{-0.6f, {0.5f, 0.5f, 0.5f}};
     file.view.eye = {0.4f, 1.0f, 2.6f};
     file.expect.frames = {0, 6};
-    file.expect.frames_simulated = 7;
     return file;
 }
 

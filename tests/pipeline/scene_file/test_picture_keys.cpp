@@ -1,35 +1,16 @@
-// The keys of scene files that move the camera and draw over pictures; the key reference.
+// The keys of scene files that move the camera and draw over pictures.
 
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "pipeline/formats/error.h"
-#include "pipeline/scene_file/scene_file.h"
+#include "pipeline/scene_file/scene_text.h"
 
 using namespace cloth;
 using namespace cloth::pipeline;
 using Catch::Matchers::Contains;
 
 namespace {
-
-/// `more` begins at line 3.
-SceneFile parse(const std::string& more, const Overrides& overrides = {}) {
-    return parse_scene("version = 1\n[[cloth]]\n" + more, "s.toml", std::filesystem::temp_directory_path(),
-                       overrides);
-}
-
-std::string refusal(const std::string& more, const Overrides& overrides = {}) {
-    try {
-        parse(more, overrides);
-    } catch (const Error& e) {
-        CHECK(e.code == ExitCode::invalid_scene);
-        return e.what();
-    }
-    return "accepted";
-}
 
 const std::string full = R"([camera]
 position = [0, 1, 3]
@@ -77,7 +58,7 @@ void check_full(const SceneFile& f) {
 }  // namespace
 
 TEST_CASE("without its keys nothing is drawn over pictures, and the camera rests", "[picture_keys]") {
-    const SceneFile f = parse("");
+    const SceneFile f = parse(sheet());
     CHECK(!f.annotation.caption);
     CHECK(!f.annotation.shade);
     CHECK(!f.annotation.wireframe);
@@ -90,16 +71,16 @@ TEST_CASE("without its keys nothing is drawn over pictures, and the camera rests
 }
 
 TEST_CASE("every key of pictures reaches its field, also out of the resolved text", "[picture_keys]") {
-    const SceneFile f = parse(full);
+    const SceneFile f = parse(sheet(full));
     check_full(f);
-    check_full(parse_scene(f.resolved, "s.toml", std::filesystem::temp_directory_path()));
-    CHECK(parse("[output]\ncaption = true\n").annotation.caption == default_caption);
-    CHECK(!parse("[output]\ncaption = false\n").annotation.caption);
-    CHECK(parse("[output]\nids = [3, 4]\n").annotation.ids->radius == 0);
-    CHECK(parse("[camera]\nframe = \"auto\"\n").camera.framing == Framing::automatic);
+    check_full(parse(f.resolved()));
+    CHECK(parse(sheet("[output]\ncaption = true\n")).annotation.caption == default_caption);
+    CHECK(!parse(sheet("[output]\ncaption = false\n")).annotation.caption);
+    CHECK(parse(sheet("[output]\nids = [3, 4]\n")).annotation.ids->radius == 0);
+    CHECK(parse(sheet("[camera]\nframe = \"auto\"\n")).camera.framing == Framing::automatic);
     const SceneFile set =
-        parse("", {"output.shade=gap", "output.shade_range=[-0.01, 0.1]", "output.curves=[\"gap\"]",
-                   "camera.path=[{ time = 2, field_of_view = 50 }]", "output.caption=frame {frame}"});
+        parse(sheet(), {"output.shade=gap", "output.shade_range=[-0.01, 0.1]", "output.curves=[\"gap\"]",
+                        "camera.path=[{ time = 2, field_of_view = 50 }]", "output.caption=frame {frame}"});
     CHECK(set.annotation.shade == VertexField::gap);
     CHECK(set.annotation.curves == std::vector<Curve>{Curve::gap});
     CHECK(set.camera.path[0].field_of_view == 50.0);
@@ -148,47 +129,8 @@ TEST_CASE("wrong values are refused with their place and what would be right", "
     };
     for (const auto& [text, message] : cases) {
         INFO(text);
-        CHECK_THAT(refusal(text), Contains(message));
+        CHECK_THAT(refusal(sheet(text)), Contains(message));
     }
-    CHECK_THAT(refusal("", {"output.shade=strech"}),
+    CHECK_THAT(refusal(sheet(), {"output.shade=strech"}),
                Contains("--set output.shade=strech: output.shade: is \"strech\"; did you mean \"stretch\"?"));
-}
-
-TEST_CASE("the key reference has each key's kind, unit, range, default and meaning", "[picture_keys]") {
-    const std::string text = key_reference();
-    for (const char* line :
-         {"  frame_rate         number [1/s]               frame k stands at time k / frame_rate; default "
-          "60.0\n",
-          "  field_of_view      number, 1 … 160 [degree]   vertical; default 35.0\n",
-          "  quality            whole number, 0 … 51       H.264 constant rate factor; 0: lossless; default "
-          "18\n",
-          "  wireframe          true or false              the edges of the simulated triangles; default "
-          "false\n",
-          "  shadow             true or false              whether it casts shadows; default true\n",
-          "  time_step          number [s]                 longest step; a frame is cut into the fewest "
-          "equal "
-          "ones; none by default\n"}) {
-        CHECK_THAT(text, Contains(line));
-    }
-    // Every key says what kind of value it takes, and every key of a written scene is there.
-    std::istringstream lines(text);
-    std::string keys = "\n";
-    int count = 0;
-    for (std::string line; std::getline(lines, line);) {
-        if (line.size() < 4 || line.compare(0, 2, "  ") != 0 || line[2] == ' ') continue;
-        ++count;
-        const std::string key = line.substr(2, line.find(' ', 2) - 2);
-        INFO(line);
-        REQUIRE(line.size() > 21);
-        CHECK(line[21] != ' ');
-        keys += key + "\n";
-    }
-    CHECK(count > 100);
-    std::istringstream written(parse(full + "[[collider]]\n[ground]\n[[pin]]\nedge = \"top\"\n").resolved);
-    for (std::string line; std::getline(written, line);) {
-        const std::size_t equals = line.find(" = ");
-        if (equals == line.npos || line[0] == '[') continue;
-        INFO(line);
-        CHECK_THAT(keys, Contains("\n" + line.substr(0, equals) + "\n"));
-    }
 }

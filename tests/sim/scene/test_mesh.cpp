@@ -107,9 +107,9 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
     const Spoiled cases[] = {
         {"cloth", "no [[cloth]]", [](Scene& s) { s.cloths.clear(); }},
         {"simulation.gravity", "finite", [&](Scene& s) { s.simulation.gravity.x() = inf; }},
-        {"simulation.frame_rate", "is 0; must be greater than 0 1/s",
+        {"simulation.frame_rate", "is 0; must be greater than 0 and at most 1000000 1/s",
          [](Scene& s) { s.simulation.frame_rate = 0; }},
-        {"simulation.frame_rate", "at most 1e6", [](Scene& s) { s.simulation.frame_rate = 1e7; }},
+        {"simulation.frame_rate", "at most 1000000 1/s", [](Scene& s) { s.simulation.frame_rate = 1e7; }},
         {"simulation.time_step", "is -0.1; must be greater than 0 s",
          [](Scene& s) { s.simulation.time_step = -0.1; }},
         {"simulation.time_step", "million steps", [](Scene& s) { s.simulation.time_step = 1e-12; }},

@@ -1,0 +1,15 @@
+#pragma once
+// The two steps from TOML to a scene.
+
+#include "pipeline/scene_file/reader.h"
+#include "pipeline/scene_file/scene_file.h"
+
+namespace cloth::pipeline {
+
+/// Every key of the file into its place; of meshes and textures their names.
+void read_scene(Reader& reader, SceneFile& file);
+
+/// Loads the files, and checks what has to fit together. Reader::fail() where it does not.
+void resolve(Reader& reader, SceneFile& file);
+
+}  // namespace cloth::pipeline
