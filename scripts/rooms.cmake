@@ -15,7 +15,7 @@ set(render
 set(validation ${sim} validation)
 set(pipeline ${sim} ${render}
   pipeline/formats pipeline/scene_file pipeline/picture pipeline/run pipeline/golden)
-set(apps ${validation} ${pipeline} apps/cli apps/verbs apps/render_cloth)
+set(apps ${validation} ${pipeline} apps/cli apps/verbs apps/main)
 
 if(NOT ROOT)
   get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)

@@ -63,16 +63,14 @@ void remove_alternatives(toml::table& table, const std::string& plain, const std
 }  // namespace
 
 void Reader::override_key(const Override& wanted) {
-    const std::string &setting = wanted.setting, &given = wanted.given;
+    const std::string& setting = wanted.setting;
     const std::size_t equals = setting.find('=');
     if (equals == setting.npos || equals == 0) {
-        refuse_scene(fmt::format("{}: must be KEY=VALUE", given));
+        refuse_scene(fmt::format("{}: must be KEY=VALUE", wanted.given));
     }
     const std::string text = setting.substr(equals + 1);
     const std::string key = setting.substr(0, setting.find_last_not_of(' ', equals - 1) + 1);
-    auto refuse = [&](const std::string& message) {
-        refuse_scene(fmt::format("{}: {}: {}", given, key, message));
-    };
+    auto refuse = [&](const std::string& message) { refuse_override(wanted, key, message); };
 
     // a.b[2].c → steps "a", "b", 2, "c"; a list without an index means its first entry.
     toml::table* table = &root_;
@@ -136,7 +134,7 @@ void Reader::override_key(const Override& wanted) {
         }
         begin = end + 1;
     }
-    overridden_[path] = given;
+    overridden_.insert_or_assign(path, wanted);
 }
 
 }  // namespace cloth::pipeline

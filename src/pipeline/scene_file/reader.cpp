@@ -14,6 +14,10 @@ void refuse_scene(const std::string& message) {
     throw Error(ExitCode::invalid_scene, one_line(message));
 }
 
+void refuse_override(const Override& wanted, const std::string& key, const std::string& message) {
+    throw Error(wanted.refusal, one_line(fmt::format("{}: {}: {}", wanted.given, key, message)));
+}
+
 void Reader::parse(const std::string& text) {
     try {
         root_ = toml::parse(text, label_);
@@ -116,14 +120,12 @@ fs::path Reader::find_file(const std::string& name) const {
 void Reader::fail_at(const toml::source_region& place, const std::string& key, const std::string& message) {
     // Longest overridden key that is this one or holds it.
     std::string owner;
-    for (const auto& [path, setting] : overridden_) {
+    for (const auto& [path, wanted] : overridden_) {
         const bool same = key == path || key.starts_with(path + ".") || key.starts_with(path + "[") ||
                           path.starts_with(key + ".");
         if (same && (owner.empty() || path.size() > owner.size())) owner = path;
     }
-    if (!owner.empty()) {
-        refuse_scene(fmt::format("{}: {}: {}", overridden_[owner], key, message));
-    }
+    if (!owner.empty()) refuse_override(overridden_.at(owner), key, message);
     refuse_scene(fmt::format("{}:{}:{}: {}: {}", label_, std::max<unsigned>(1, place.begin.line),
                              std::max<unsigned>(1, place.begin.column), key, message));
 }

@@ -16,6 +16,9 @@ namespace cloth::pipeline {
 /// Throws Error(invalid_scene) with `message` as one line.
 [[noreturn]] void refuse_scene(const std::string& message);
 
+/// Throws Error, with the override's exit code, in the words that the user typed.
+[[noreturn]] void refuse_override(const Override& wanted, const std::string& key, const std::string& message);
+
 class Reader {
   public:
     /// `label` stands for the file in messages, relative paths start at `folder`.
@@ -51,7 +54,7 @@ class Reader {
     std::string label_;
     std::filesystem::path folder_;
     toml::table root_;
-    std::map<std::string, std::string> overridden_;  ///< full key → as the user typed it
+    std::map<std::string, Override> overridden_;  ///< by full key
 };
 
 }  // namespace cloth::pipeline

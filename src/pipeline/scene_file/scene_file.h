@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/formats/error.h"
 #include "pipeline/scene_file/picture_desc.h"
 #include "render/frame.h"
 #include "sim/scene/scene.h"
@@ -59,13 +60,14 @@ struct SceneFile {
 
 /// KEY=VALUE over what the file says; VALUE is a TOML value (a bare word counts as a string). `cloth.mesh`
 /// reaches the first entry of the table, `cloth[1].mesh` any other. Messages about the value begin with
-/// `given`, as the user typed it: "--frames 0"; by default "--set KEY=VALUE".
+/// `given`, as the user typed it: "--set KEY=VALUE", or the flag that stands for a key: "--frames 0".
 struct Override {
     std::string setting, given;
+    ExitCode refusal = ExitCode::invalid_scene;  ///< of a bad value; of a flag's it is `usage`
     Override(const char* key_is_value) : Override(std::string(key_is_value)) {}
     Override(std::string key_is_value) : setting(std::move(key_is_value)), given("--set " + setting) {}
-    Override(std::string key_is_value, std::string as_typed)
-        : setting(std::move(key_is_value)), given(std::move(as_typed)) {}
+    Override(std::string key_is_value, std::string flag)
+        : setting(std::move(key_is_value)), given(std::move(flag)), refusal(ExitCode::usage) {}
 };
 using Overrides = std::vector<Override>;
 

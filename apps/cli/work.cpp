@@ -1,0 +1,157 @@
+#include "apps/cli/work.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <map>
+
+namespace cloth::cli {
+namespace {
+
+using pipeline::Progress;
+using pipeline::RunSummary;
+
+const std::map<std::string, render::GlLibrary> gl_libraries{{"auto", render::GlLibrary::automatic},
+                                                            {"osmesa", render::GlLibrary::osmesa},
+                                                            {"egl", render::GlLibrary::egl}};
+
+std::atomic<bool> stop_wanted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+
+void watch_signals() {
+    struct sigaction action = {};
+    action.sa_handler = [](int) { stop_wanted = true; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends the program at once
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+std::string clock_text(double seconds) {
+    const auto s = static_cast<long>(std::lround(seconds));
+    return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                     : fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+/// What was made, how long each stage took, where it lies.
+std::string last_line(const RunSummary& summary, const std::filesystem::path& out) {
+    std::string made = summary.states > 0 ? plural(summary.states, "frame") : std::string();
+    if (summary.images > 0)
+        made += fmt::format("{}{} of {}x{}", made.empty() ? "" : ", ", plural(summary.images, "picture"),
+                            summary.width, summary.height);
+    if (!summary.movie.empty())
+        made += fmt::format("{}a movie at {:g} frames/s", made.empty() ? "" : ", ", summary.playback_rate);
+    std::string stages;
+    const auto stage = [&](const char* name, double seconds) {
+        if (seconds > 0) stages += fmt::format("{} {:.1f} s, ", name, seconds);
+    };
+    stage("simulate", summary.times.simulate);
+    stage("draw", summary.times.draw);
+    stage("png", summary.times.png);
+    stage("encode", summary.times.encode);
+    return fmt::format("{}: {} ({}wall {:.1f} s): {}", summary.scene, made, stages, summary.times.wall,
+                       summary.movie.empty() ? out.string() : summary.movie.string());
+}
+
+}  // namespace
+
+/// On standard error: a bar on a terminal, a line every few seconds elsewhere.
+class ProgressLine {
+  public:
+    explicit ProgressLine(bool pictures) : pictures_(pictures) {}
+    ~ProgressLine() { clear(); }
+
+    void show(const Progress& progress) {
+        // Where the pictures come after the simulation, that is what there is to tell of first.
+        const bool simulating = pictures_ && progress.drawn == 0 && progress.simulated > 3;
+        const std::int64_t done = pictures_ && !simulating ? progress.written : progress.simulated;
+        const auto now = std::chrono::steady_clock::now();
+        const bool last = done == progress.frames;
+        if (now - shown_ < std::chrono::duration<double>(terminal_ ? 0.1 : 5.0) && !(last && terminal_))
+            return;
+        shown_ = now;
+        const double seconds = std::chrono::duration<double>(now - start_).count();
+        const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
+        std::string text = fmt::format("{}/{} frames{}, {:.1f} frames/s", done, progress.frames,
+                                       simulating ? " simulated" : "", rate);
+        if (rate > 0) text += ", " + clock_text(static_cast<double>(progress.frames - done) / rate) + " left";
+        if (terminal_) {
+            constexpr std::int64_t width = 30;
+            const auto full = static_cast<std::size_t>(width * done / progress.frames);
+            fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(full, '#'), std::string(width - full, '.'),
+                       text);
+            drawn_ = true;
+        } else {
+            fmt::print(stderr, "{}\n", text);
+        }
+        std::fflush(stderr);
+    }
+
+    /// Makes room for other lines.
+    void clear() {
+        if (drawn_) fmt::print(stderr, "\r\033[K");
+        drawn_ = false;
+    }
+
+  private:
+    bool pictures_;
+    bool terminal_ = isatty(STDERR_FILENO) == 1;
+    bool drawn_ = false;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), shown_ = start_;
+};
+
+void WorkFlags::add_threads(Flags& flags) {
+    flags.integer({"--threads", "N", "Threads (default: all cores); the result is the same for any"}, threads,
+                  1, 1024);
+}
+
+void WorkFlags::add_gl(Flags& flags) {
+    std::vector<std::string> names;
+    for (const auto& [name, library] : gl_libraries) names.push_back(name);
+    flags.choice({"--gl", "NAME", "Library that draws (default: auto, OSMesa where it is there)"}, gl, names);
+}
+
+void WorkFlags::add(Flags& flags) {
+    add_threads(flags);
+    add_gl(flags);
+    flags.yes("--quiet", quiet, "No progress");
+    flags.yes("--no-video", no_video, "Pictures only, no MP4");
+}
+
+render::GlLibrary WorkFlags::gl_library() const {
+    return gl_libraries.at(gl);
+}
+
+Watch::Watch(const WorkFlags& flags, bool pictures) : line_(std::make_unique<ProgressLine>(pictures)) {
+    watch_signals();  // here only: elsewhere nothing asks whether to stop
+    options_.pictures = pictures;
+    options_.movie = pictures && !flags.no_video;
+    options_.threads = flags.threads;
+    options_.gl = flags.gl_library();
+    options_.stop = &stop_wanted;
+    if (!flags.quiet) options_.progress = [this](const Progress& progress) { line_->show(progress); };
+}
+
+Watch::~Watch() = default;
+
+void conclude(const RunSummary& summary, const std::filesystem::path& out) {
+    if (summary.interrupted)
+        throw pipeline::Error(
+            ExitCode::interrupted,
+            summary.states > 0
+                ? fmt::format("interrupted: {} and {} of {} are kept in {}", plural(summary.states, "state"),
+                              plural(summary.images, "picture"), summary.frames, out.string())
+                : fmt::format("interrupted: {} drawn of {} are kept in {}", plural(summary.images, "picture"),
+                              summary.frames, out.string()));
+    fmt::print("{}\n", last_line(summary, out));
+}
+
+std::string plural(std::int64_t n, const std::string& noun) {
+    return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
+}
+
+}  // namespace cloth::cli

@@ -1,0 +1,50 @@
+#pragma once
+// Work that takes a while: its flags, its progress on standard error, Ctrl-C, and its last line.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "apps/cli/command_line.h"
+#include "pipeline/run/run.h"
+
+namespace cloth::cli {
+
+/// How the work is done; none of it changes a result.
+struct WorkFlags {
+    int threads = 0;  ///< 0: all cores
+    std::string gl = "auto";
+    bool quiet = false, no_video = false;
+
+    void add_threads(Flags& flags);
+    void add_gl(Flags& flags);
+    /// Both, and --quiet and --no-video.
+    void add(Flags& flags);
+
+    render::GlLibrary gl_library() const;
+};
+
+/// While it lives, progress is shown; a first Ctrl-C asks the work to stop, a second ends the program.
+class Watch {
+  public:
+    Watch(const WorkFlags& flags, bool pictures);
+    ~Watch();
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+
+    const pipeline::RunOptions& options() const { return options_; }
+
+  private:
+    std::unique_ptr<class ProgressLine> line_;
+    pipeline::RunOptions options_;
+};
+
+/// Tells in a line what a run made and how long each stage took. Throws Error(interrupted) where it was
+/// stopped, saying what is kept.
+void conclude(const pipeline::RunSummary& summary, const std::filesystem::path& out);
+
+/// "1 frame", "2 frames"
+std::string plural(std::int64_t n, const std::string& noun);
+
+}  // namespace cloth::cli
