@@ -8,6 +8,7 @@
 
 #include "apps/workplace.h"
 #include "pipeline/formats/state_store.h"
+#include "pipeline/run/run_folder.h"
 #include "render/image/image.h"
 #include "support/temporary_folder.h"
 
