@@ -10,7 +10,7 @@
 namespace cloth::cli {
 
 struct GoldenFlags {
-    std::string golden;
+    std::string golden = "golden";
     SceneFlags scene;
     WorkFlags work;
 

@@ -4,7 +4,7 @@
 
 #include "apps/cli/work.h"
 #include "apps/verbs/verbs.h"
-#include "pipeline/formats/state_store.h"
+#include "pipeline/formats/build_info.h"
 #include "pipeline/formats/video.h"
 #include "render/raster/rasterizer.h"
 
@@ -25,12 +25,7 @@ std::string attempt(Ask ask) {
 }
 
 cli::ExitCode work(const cli::WorkFlags& values) {
-    fmt::print("render_cloth {}\ncompiler: {}\nbuild: {}\nrenderer: {}\nencoder: {}\n", CLOTH_VERSION,
-#if defined(__clang__)
-               "clang " __clang_version__,
-#else
-               "g++ " __VERSION__,
-#endif
+    fmt::print("render_cloth {}\ncompiler: {}\nbuild: {}\nrenderer: {}\nencoder: {}\n", pipeline::program_version(), pipeline::compiler(),
                pipeline::build_fingerprint(),
                attempt([&] { return cloth::render::Rasterizer(1, values.gl_library()).description(); }),
                attempt(pipeline::ffmpeg_version));

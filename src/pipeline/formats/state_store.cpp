@@ -142,16 +142,6 @@ void parse(const fs::path& path, std::string_view payload, Read read) {
 
 }  // namespace
 
-std::string build_fingerprint() {
-#if defined(__clang__)
-    const std::string compiler = "clang " __clang_version__;
-#else
-    const std::string compiler = "g++ " __VERSION__;
-#endif
-    return fmt::format("{}; {}; Eigen {}.{}.{}; state format {}", compiler, CLOTH_BUILD_FLAGS,
-                       EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, state_format);
-}
-
 // ---------------------------------------------------------------- states
 
 void write_state(const State& state, const fs::path& path, Compression compression) {

@@ -14,9 +14,6 @@ namespace cloth::pipeline {
 /// Version of the files that write_state() writes and read_state() reads.
 inline constexpr int state_format = 2;
 
-/// Compiler, flags and version that decide the bits of a state: equal fingerprints give equal states.
-std::string build_fingerprint();
-
 enum class Compression { fast, small };
 
 /// Doubles as they are, compressed by zstd, checked by a 64-bit xxHash. Written to a temporary name, then

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "pipeline/formats/build_info.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/state_store.h"

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "pipeline/formats/build_info.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/state_store.h"
 
@@ -86,7 +87,7 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
     Json report;
     report["scene"] = summary.scene;
     report["outcome"] = outcome;
-    report["program"] = {{"version", CLOTH_VERSION},
+    report["program"] = {{"version", program_version()},
                          {"build", build_fingerprint()},
                          {"renderer", summary.renderer},
                          {"encoder", summary.encoder}};

@@ -71,8 +71,12 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
 
 std::vector<fs::path> scene_folders() {
     std::vector<fs::path> folders;
-    if (const char* assets = std::getenv("CLOTH_ASSETS")) folders.push_back(fs::path(assets) / "scenes");
-    folders.push_back(fs::path(CLOTH_ASSETS_DIR) / "scenes");
+    if (const char* assets = std::getenv("RENDER_CLOTH_ASSETS")) folders.push_back(fs::path(assets) / "scenes");
+    std::error_code ignored;
+    const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+    // In a build folder `assets` is a link to the source tree's.
+    for (const char* assets : {"../share/render_cloth", "assets"})
+        folders.push_back((program / assets / "scenes").lexically_normal());
     return folders;
 }
 

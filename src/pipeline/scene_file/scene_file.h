@@ -90,7 +90,8 @@ std::string key_reference();
 /// The same for editors and other programs: a JSON Schema (draft 2020-12) of scene files as text.
 std::string json_schema();
 
-/// Where scenes are looked for: $CLOTH_ASSETS/scenes, then assets/scenes of the source tree.
+/// Where scenes are looked for: $RENDER_CLOTH_ASSETS/scenes, then beside the program:
+/// ../share/render_cloth/scenes where it is installed, assets/scenes where it is built.
 std::vector<std::filesystem::path> scene_folders();
 /// Name and description of every scene there, sorted by name.
 std::vector<std::array<std::string, 2>> list_scenes();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/formats/build_info.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/state_store.h"
 #include "pipeline/golden/golden.h"

@@ -22,7 +22,7 @@ TEST_CASE("scenes are found by name and by path", "[scene_file]") {
     spit(assets / "scenes/mine.toml", "description = \"My own\"\n" + sheet());
     spit(assets / "scenes/drape_sphere.toml", "description = \"Mine comes first\"\n" + sheet());
     spit(assets / "scenes/broken.toml", "version = \n");
-    setenv("CLOTH_ASSETS", assets.path().c_str(), 1);
+    setenv("RENDER_CLOTH_ASSETS", assets.path().c_str(), 1);
     CHECK(load_scene("mine").description == "My own");
     CHECK(load_scene("drape_sphere").description == "Mine comes first");
     CHECK(load_scene("seed_sheet").name == "seed_sheet");
@@ -43,7 +43,7 @@ TEST_CASE("scenes are found by name and by path", "[scene_file]") {
     CHECK(row("mine", "My own"));
     CHECK(row("drape_sphere", "Mine comes first"));
     CHECK(row("broken", "(cannot be read)"));
-    unsetenv("CLOTH_ASSETS");
+    unsetenv("RENDER_CLOTH_ASSETS");
     CHECK(load_scene("drape_sphere").description != "Mine comes first");
 }
 
