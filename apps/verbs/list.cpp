@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <array>
-
 #include "apps/verbs/verbs.h"
 #include "pipeline/scene_file/fabric_list.h"
 #include "pipeline/scene_file/scene_file.h"
@@ -11,14 +9,17 @@ namespace {
 
 struct Values {
     std::string what = "scenes", name;
-    bool sources = false;
+    bool sources = false, markdown = false;
 };
 
 void add(cli::Flags& flags, Values& values) {
-    flags.choice({"what", "WHAT", "scenes (the default), fabrics, or keys of scene files"}, values.what,
-                 {"scenes", "fabrics", "keys"});
+    flags.choice(
+        {"what", "WHAT",
+         "scenes (the default), fabrics, keys of scene files, or schema: their JSON Schema, for editors"},
+        values.what, {"scenes", "fabrics", "keys", "schema"});
     flags.text({"name", "NAME", "One fabric with the sources of its values"}, values.name);
     flags.yes("--sources", values.sources, "Fabrics with the sources of all values");
+    flags.yes("--markdown", values.markdown, "Scenes or fabrics as a table of Markdown");
 }
 
 void list_fabrics(const Values& values) {
@@ -33,9 +34,14 @@ void list_fabrics(const Values& values) {
 cli::ExitCode work(const Values& values) {
     if (values.what != "fabrics" && (!values.name.empty() || values.sources))
         cli::refuse(fmt::format("list {} takes no name and no --sources; fabrics do", values.what));
-    if (values.what == "fabrics") list_fabrics(values);
+    if (values.markdown && values.what != "scenes" && values.what != "fabrics")
+        cli::refuse(fmt::format("list {} takes no --markdown; scenes and fabrics do", values.what));
     if (values.what == "keys") fmt::print("{}", pipeline::key_reference());
-    if (values.what == "scenes")
+    if (values.what == "schema") fmt::print("{}", pipeline::json_schema());
+    if (values.what == "fabrics" && values.markdown) fmt::print("{}", pipeline::fabric_rows());
+    if (values.what == "fabrics" && !values.markdown) list_fabrics(values);
+    if (values.what == "scenes" && values.markdown) fmt::print("{}", pipeline::scene_rows());
+    if (values.what == "scenes" && !values.markdown)
         for (const auto& [name, description] : pipeline::list_scenes())
             fmt::print("{:<16}{}\n", name, description);
     return cli::ExitCode::good;
@@ -44,7 +50,8 @@ cli::ExitCode work(const Values& values) {
 }  // namespace
 
 cli::Verb list() {
-    return cli::verb("list", "The scenes, the fabrics, or the keys of scene files", add, work);
+    return cli::verb("list", "The scenes, the fabrics, or the keys of scene files and their JSON Schema", add,
+                     work);
 }
 
 }  // namespace cloth::verbs

@@ -1,6 +1,7 @@
 // What the program refuses before it begins, and what it tells of itself.
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "apps/workplace.h"
 #include "support/temporary_folder.h"
@@ -187,6 +188,13 @@ TEST_CASE("the program tells of itself", "[cli]") {
     for (const char* scene : {"seed_sheet", "seed_kick", "seed_drag", "drape_sphere", "hanging_sheet"})
         CHECK_THAT(list.out, Contains(scene));
     CHECK(place.run("list scenes").out == list.out);
+    CHECK_THAT(place.run("list --markdown").out,
+               Contains("| `seed_sheet` | ") && Contains("| vertices | steps |"));
+    const Outcome schema = place.run("list schema");
+    CHECK(schema.code == 0);
+    CHECK(nlohmann::json::parse(schema.out).at("properties").contains("collider"));
+    check_refusal(place.run("list keys --markdown"), 2,
+                  {"list keys takes no --markdown; scenes and fabrics do"});
     const Outcome fabrics = place.run("list fabrics");
     CHECK(fabrics.code == 0);
     for (const char* part : {"[g/m²]", "[N/m]", "[µN m]", "cotton", "paper", "--sources"})

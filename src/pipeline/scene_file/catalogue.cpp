@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "pipeline/scene_file/reader.h"
 #include "pipeline/scene_file/scene_file.h"
+#include "sim/scene/mesh.h"
 
 namespace cloth::pipeline {
 
@@ -71,7 +72,8 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
 
 std::vector<fs::path> scene_folders() {
     std::vector<fs::path> folders;
-    if (const char* assets = std::getenv("RENDER_CLOTH_ASSETS")) folders.push_back(fs::path(assets) / "scenes");
+    if (const char* assets = std::getenv("RENDER_CLOTH_ASSETS"))
+        folders.push_back(fs::path(assets) / "scenes");
     std::error_code ignored;
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
     // In a build folder `assets` is a link to the source tree's.
@@ -94,6 +96,18 @@ std::vector<std::array<std::string, 2>> list_scenes() {
         result.push_back({name, description});
     }
     return result;
+}
+
+std::string scene_rows() {
+    std::string text = "| scene | what happens | vertices | steps |\n|-|-|-:|-:|\n";
+    for (const auto& [name, description] : list_scenes()) {
+        const SceneFile file = load_scene(name);
+        Eigen::Index vertices = 0;
+        for (const ClothDesc& cloth : file.scene.cloths) vertices += rest_shape(cloth).vertices.rows();
+        text += fmt::format("| `{}` | {} | {} | {} |\n", name, description, vertices,
+                            (file.output.frames - 1) * file.scene.simulation.steps_per_frame());
+    }
+    return text;
 }
 
 }  // namespace cloth::pipeline

@@ -40,6 +40,16 @@ std::string fabric_table() {
     return text;
 }
 
+std::string fabric_rows() {
+    std::string text = "| fabric | | weight, g/m² | bending length, mm |\n|-|-|-:|-:|\n";
+    for (const NamedFabric& named : named_fabrics()) {
+        const Fabric& f = named.fabric;
+        text += fmt::format("| `{}` | {} | {:.0f} | {:.0f} |\n", f.name, named.description, 1e3 * f.density,
+                            1e3 * bending_length(f));
+    }
+    return text;
+}
+
 std::string fabric_sources(const std::string& name) {
     if (!name.empty() && !find_fabric(name)) throw Error(ExitCode::usage, unknown_fabric(name));
     std::string text;

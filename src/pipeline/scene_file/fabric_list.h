@@ -8,6 +8,9 @@ namespace cloth::pipeline {
 /// One line per fabric with its values, below each other with units above.
 std::string fabric_table();
 
+/// One row of Markdown per fabric: what it is, weight, bending length.
+std::string fabric_rows();
+
 /// Every number of every fabric, or of the one named, with its source. Throws Error(usage) for an unknown
 /// name.
 std::string fabric_sources(const std::string& name = "");

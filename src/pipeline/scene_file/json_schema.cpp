@@ -18,7 +18,8 @@ Json field_schema(const Field& f) {
         schema["description"] = text;
     if (!f.unit.empty()) schema["unit"] = f.unit;
     // Values are written alike in TOML and JSON, but for inline tables, which no default has.
-    if (const std::string value = f.applies ? f.write() : ""; !value.empty()) schema["default"] = Json::parse(value);
+    if (const std::string value = f.applies ? f.write() : ""; !value.empty())
+        schema["default"] = Json::parse(value);
     return schema;
 }
 

@@ -101,12 +101,9 @@ struct CurveName {
     const char *name, *title;  ///< as in scene files; for people, with its unit
 };
 inline constexpr CurveName curve_names[] = {
-    {Curve::energy, "energy", "energy [J]"},
-    {Curve::kinetic, "kinetic", "kinetic energy [J]"},
-    {Curve::stretch, "stretch", "greatest stretch"},
-    {Curve::gap, "gap", "smallest gap [mm]"},
-    {Curve::iterations, "iterations", "iterations"},
-    {Curve::contacts, "contacts", "contacts"}};
+    {Curve::energy, "energy", "energy [J]"},         {Curve::kinetic, "kinetic", "kinetic energy [J]"},
+    {Curve::stretch, "stretch", "greatest stretch"}, {Curve::gap, "gap", "smallest gap [mm]"},
+    {Curve::iterations, "iterations", "iterations"}, {Curve::contacts, "contacts", "contacts"}};
 
 /// A circle in the picture [pixel].
 struct PicturePlace {

@@ -95,5 +95,8 @@ std::string json_schema();
 std::vector<std::filesystem::path> scene_folders();
 /// Name and description of every scene there, sorted by name.
 std::vector<std::array<std::string, 2>> list_scenes();
+/// One row of Markdown per scene: what happens, vertices of its cloths, steps of its frames. Throws
+/// Error(invalid_scene).
+std::string scene_rows();
 
 }  // namespace cloth::pipeline
