@@ -9,6 +9,7 @@
 #include <Eigen/SparseCore>
 
 #include "base/parallel.h"
+#include "sim/algebra/fixed_blocking.h"
 #include "sim/algebra/flush_to_zero.h"
 
 namespace cloth {
@@ -473,6 +474,7 @@ void Multifrontal<Scalar>::solve(const VecX& b, VecX& x) {
 }  // namespace
 
 SparseSolver::SparseSolver(const BlockPattern& pattern, const std::vector<int>& pinned, Precision precision) {
+    fix_blocking();
     if (precision == Precision::full) {
         impl_ = std::make_unique<Multifrontal<double>>(pattern, pinned);
     } else {

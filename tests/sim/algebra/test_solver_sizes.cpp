@@ -348,3 +348,36 @@ TEST_CASE("padding is bounded: on a sheet, on irregular meshes, and along narrow
         CHECK(found.fronts < system.pattern.vertex_count() / 2);  // it does merge
     }
 }
+
+TEST_CASE("the sizes of the processor's caches do not decide the bits", "[solver]") {
+    // Three groups, each coupled within itself and to the next: fronts of 360 columns and 360 rows below,
+    // sums that Eigen would cut differently.
+    constexpr int group = 120, n = 3 * group;
+    std::vector<std::array<int, 2>> pairs;
+    for (int i = 0; i < n; ++i) {
+        for (int j = i + 1; j < n; ++j) {
+            if (j / group - i / group <= 1) pairs.push_back({i, j});
+        }
+    }
+    const BlockPattern pattern(n, pairs);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    BlockMatrix A;
+    A.reset(pattern);
+    for (Mat3& block : A.blocks) {
+        for (double& value : block.reshaped()) value = uniform(random);
+    }
+    for (int i = 0; i < n; ++i) A.blocks[pattern.diagonal(i)] = 1e3 * Mat3::Identity();
+    const VecX b = VecX::Ones(3 * n);
+    for (Precision precision : {Precision::full, Precision::single}) {
+        std::vector<VecX> solutions;
+        for (const std::ptrdiff_t level_1 : {16 << 10, 48 << 10, 128 << 10}) {
+            Eigen::setCpuCacheSizes(level_1, 1 << 20, 8 << 20);
+            SparseSolver solver(pattern, {}, precision);
+            REQUIRE(solver.factorize(A));
+            solver.solve(b, solutions.emplace_back());
+        }
+        CHECK(solutions[0] == solutions[1]);
+        CHECK(solutions[2] == solutions[1]);
+    }
+}
