@@ -185,8 +185,33 @@ path = [{ time = 0.0 }, { time = 0.5, translate = [0.0, -0.1, 0.0] }]
 [output]
 size = [64, 48]
 )");
-    CHECK_THAT(message_of_stop(place, "torn.toml"), Contains("did not converge, not even cut into 2 parts") &&
-                                                        Contains("farthest from balance is vertex"));
+    CHECK_THAT(message_of_stop(place, "torn.toml"),
+               Contains("frame 3: in the step from 0.0333333 s, even cut into 2 parts, pins") &&
+                   Contains("or at its strain limit"));
+}
+
+TEST_CASE("a step that would take more iterations than it may stops the run with exit code 4", "[cli]") {
+    const Workplace place;
+    spit(place / "hasty.toml", R"(
+version = 1
+[simulation]
+integrator = "implicit_euler"
+newton_iterations = 1
+newton_tolerance = 1e-13
+retries = 1
+[[cloth]]
+size = [0.2, 0.2]
+resolution = 5
+fabric = "cotton"
+[[pin]]
+edge = "left"
+[output]
+size = [64, 48]
+)");
+    const Outcome stopped = place.run("simulate --scene hasty.toml --out o --quiet --frames 3");
+    CHECK(stopped.code == 4);
+    CHECK_THAT(stopped.err, Contains("did not converge, not even cut into 2 parts") &&
+                                Contains("farthest from balance is vertex"));
 }
 
 TEST_CASE("cloth pressed where there is no room for it stops with exit code 4 and says so", "[cli]") {

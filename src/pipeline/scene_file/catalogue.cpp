@@ -103,7 +103,7 @@ std::string scene_rows() {
     for (const auto& [name, description] : list_scenes()) {
         const SceneFile file = load_scene(name);
         Eigen::Index vertices = 0;
-        for (const ClothDesc& cloth : file.scene.cloths) vertices += rest_shape(cloth).vertices.rows();
+        for (const ClothDesc& cloth : file.scene.cloths) vertices += rest_shape(cloth).positions.rows();
         text += fmt::format("| `{}` | {} | {} | {} |\n", name, description, vertices,
                             (file.output.frames - 1) * file.scene.simulation.steps_per_frame());
     }

@@ -2,6 +2,7 @@
 // One key of a table of a scene file, whatever its type: how it is read into its place, written back and told
 // of. FieldList is the visitor of describe() that makes them.
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -95,6 +96,9 @@ class FieldList {
         Field& f = add(key, unit, meaning, Value<Type>::words(), Value<Type>::schema(range));
         f.range = range.brief();
         f.read = [place, range, unit](const toml::node& node) {
+            if constexpr (std::is_integral_v<Type>) {  // told by the key's range, not by the type's
+                if (node.is_integer()) check_range(*node.value<std::int64_t>(), range, unit);
+            }
             const Type read = Value<Type>::read(node);
             if constexpr (requires { place.reset(); }) {
                 if constexpr (std::is_arithmetic_v<Type>) {
