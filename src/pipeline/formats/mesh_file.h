@@ -1,5 +1,5 @@
 #pragma once
-// Mesh import by assimp; export of a state as OBJ or PLY.
+// Meshes from files of any format. How they are written: exporters.h.
 
 #include <filesystem>
 
