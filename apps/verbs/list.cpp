@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/verbs/verbs.h"
+#include "pipeline/formats/exporters.h"
 #include "pipeline/scene_file/fabric_list.h"
 #include "pipeline/scene_file/scene_file.h"
 
@@ -12,17 +13,14 @@ struct Values {
     bool sources = false, markdown = false;
 };
 
-void add(cli::Flags& flags, Values& values) {
-    flags.choice(
-        {"what", "WHAT",
-         "scenes (the default), fabrics, keys of scene files, or schema: their JSON Schema, for editors"},
-        values.what, {"scenes", "fabrics", "keys", "schema"});
-    flags.text({"name", "NAME", "One fabric with the sources of its values"}, values.name);
-    flags.yes("--sources", values.sources, "Fabrics with the sources of all values");
-    flags.yes("--markdown", values.markdown, "Scenes or fabrics as a table of Markdown");
+void print_scenes(const Values& values) {
+    if (values.markdown) return fmt::print("{}", pipeline::scene_rows());
+    for (const auto& [name, description] : pipeline::list_scenes())
+        fmt::print("{:<16}{}\n", name, description);
 }
 
-void list_fabrics(const Values& values) {
+void print_fabrics(const Values& values) {
+    if (values.markdown) return fmt::print("{}", pipeline::fabric_rows());
     if (values.name.empty()) fmt::print("{}", pipeline::fabric_table());
     if (values.sources && values.name.empty()) fmt::print("\n");
     if (values.sources || !values.name.empty()) fmt::print("{}", pipeline::fabric_sources(values.name));
@@ -31,27 +29,53 @@ void list_fabrics(const Values& values) {
             "\nwhere each number comes from: render_cloth list fabrics --sources, or list fabrics NAME\n");
 }
 
+/// What there is to be listed.
+struct Listing {
+    const char *what, *meaning;
+    void (*print)(const Values&);
+    bool has_names = false;     ///< takes a name, and --sources
+    bool has_markdown = false;  ///< takes --markdown
+};
+constexpr Listing listings[] = {
+    {"scenes", "the default", print_scenes, false, true},
+    {"fabrics", "with what each is made of", print_fabrics, true, true},
+    {"keys", "of scene files", [](const Values&) { fmt::print("{}", pipeline::key_reference()); }},
+    {"schema", "of scene files, for editors",
+     [](const Values&) { fmt::print("{}", pipeline::json_schema()); }},
+    {"formats", "of meshes that are written",
+     [](const Values&) { fmt::print("{}", pipeline::export_format_list()); }},
+};
+
+void add(cli::Flags& flags, Values& values) {
+    std::vector<std::string> names;
+    std::string help;
+    for (const Listing& each : listings) {
+        names.push_back(each.what);
+        help += fmt::format("{}{} ({})", help.empty() ? "" : ", ", each.what, each.meaning);
+    }
+    flags.choice({"what", "WHAT", help}, values.what, names);
+    flags.text({"name", "NAME", "One fabric with the sources of its values"}, values.name);
+    flags.yes("--sources", values.sources, "Fabrics with the sources of all values");
+    flags.yes("--markdown", values.markdown, "Scenes or fabrics as a table of Markdown");
+}
+
 cli::ExitCode work(const Values& values) {
-    if (values.what != "fabrics" && (!values.name.empty() || values.sources))
-        cli::refuse(fmt::format("list {} takes no name and no --sources; fabrics do", values.what));
-    if (values.markdown && values.what != "scenes" && values.what != "fabrics")
-        cli::refuse(fmt::format("list {} takes no --markdown; scenes and fabrics do", values.what));
-    if (values.what == "keys") fmt::print("{}", pipeline::key_reference());
-    if (values.what == "schema") fmt::print("{}", pipeline::json_schema());
-    if (values.what == "fabrics" && values.markdown) fmt::print("{}", pipeline::fabric_rows());
-    if (values.what == "fabrics" && !values.markdown) list_fabrics(values);
-    if (values.what == "scenes" && values.markdown) fmt::print("{}", pipeline::scene_rows());
-    if (values.what == "scenes" && !values.markdown)
-        for (const auto& [name, description] : pipeline::list_scenes())
-            fmt::print("{:<16}{}\n", name, description);
+    for (const Listing& each : listings) {
+        if (values.what != each.what) continue;
+        if (!each.has_names && (!values.name.empty() || values.sources))
+            cli::refuse(fmt::format("list {} takes no name and no --sources; fabrics do", values.what));
+        if (!each.has_markdown && values.markdown)
+            cli::refuse(fmt::format("list {} takes no --markdown; scenes and fabrics do", values.what));
+        each.print(values);
+    }
     return cli::ExitCode::good;
 }
 
 }  // namespace
 
 cli::Verb list() {
-    return cli::verb("list", "The scenes, the fabrics, or the keys of scene files and their JSON Schema", add,
-                     work);
+    return cli::verb("list", "Scenes, fabrics, keys of scene files and their JSON Schema, formats of meshes",
+                     add, work);
 }
 
 }  // namespace cloth::verbs

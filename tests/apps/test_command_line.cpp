@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/workplace.h"
+#include "base/text.h"
+#include "pipeline/formats/exporters.h"
 #include "support/temporary_folder.h"
 
 using namespace cloth;
@@ -15,6 +17,7 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
     const Workplace place;
     spit(place / "file", "x");
     const auto before = place.files();
+    const auto formats = pipeline::export_format_names();
     struct Case {
         const char* arguments;
         std::vector<std::string> parts;
@@ -32,6 +35,7 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"list fabrics coton", {"no fabric \"coton\"; did you mean \"cotton\"?", "known: cotton, denim"}},
         {"list scenes drape_sphere", {"list scenes takes no name"}},
         {"list --sources", {"no --sources"}},
+        {"list formats obj", {"list formats takes no name"}},
         {"list fabrics cotton silk", {"not expected: silk"}},
         {"--scene sheet.toml --frobnicate", {"not expected: --frobnicate", "--help"}},
         {"simulate --scene sheet.toml --frobnicate 3", {"--frobnicate"}},
@@ -68,9 +72,15 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"render --out o --frames -1:3", {"--frames -1:3", "0 <= A"}},
         {"encode", {"--out is required"}},
         {"export", {"--out is required"}},
-        {"export --out o --format obj --file f", {"--frame is required"}},
+        {"export --out o --format obj --file f", {"give either --frame K", "or --frames A:B"}},
+        {"export --out o --frame 1 --frames 0:2 --file f.obj", {"give either --frame K", "or --frames A:B"}},
+        {"export --out o --frames 3 --file f.obj", {"--frames 3: give A:B"}},
+        {"export --out o --frames 0:2 --format obj --file .", {"--file .: is a folder", "./sheet.obj"}},
+        {"export --out o --frame 1 --file f.txt",
+         {"--file f.txt: its extension is that of no mesh format; give --format, one of " + join(formats)}},
         {"export --out o --frame x --format obj --file f", {"--frame: Value x not in range 0 to "}},
-        {"export --out o --frame 1 --format stl --file f", {"--format: stl not in {obj,ply}"}},
+        {"export --out o --frame 1 --format clay --file f",
+         {"--format: clay not in {" + join(formats, ",") + "}"}},
         {"export --out o --frame 1 --format obj", {"--file is required"}},
         {"--scene sheet.toml --shade strech",
          {"--shade strech", "did you mean \"stretch\"?", "stretch, bending, kinetic, gap, strain_rate"}},
@@ -160,6 +170,7 @@ TEST_CASE("folders that cannot be used are named with the reason", "[cli]") {
                   {"cannot write to the folder file/below", "Not a directory"});
     check_refusal(place.run("render --out nowhere"), 1, {"nowhere: holds no run", "render_cloth simulate"});
     check_refusal(place.run("export --out nowhere --frame 0 --format obj --file f.obj"), 1, {"holds no run"});
+    check_refusal(place.run("export --out nowhere --frames 0:2 --file f.obj"), 1, {"holds no run"});
     CHECK_FALSE(fs::exists(place / "nowhere"));
 }
 
@@ -195,6 +206,10 @@ TEST_CASE("the program tells of itself", "[cli]") {
     CHECK(nlohmann::json::parse(schema.out).at("properties").contains("collider"));
     check_refusal(place.run("list keys --markdown"), 2,
                   {"list keys takes no --markdown; scenes and fabrics do"});
+    const Outcome formats = place.run("list formats"), exporting = place.run("export --help");
+    CHECK(formats.code == 0);
+    CHECK(formats.out == pipeline::export_format_list());
+    CHECK_THAT(exporting.out, Contains("--format NAME:{" + join(pipeline::export_format_names(), ",") + "}"));
     const Outcome fabrics = place.run("list fabrics");
     CHECK(fabrics.code == 0);
     for (const char* part : {"[g/m²]", "[N/m]", "[µN m]", "cotton", "paper", "--sources"})

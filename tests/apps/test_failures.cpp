@@ -36,6 +36,12 @@ TEST_CASE("a full disk is told of in one line and leaves no half-written file", 
         check_refusal(outcome, 7, {"ffmpeg failed on o/sheet.mp4"});
         CHECK(fs::exists(place / "o/frames/frame_000039.png"));
     }
+    SECTION("while meshes are exported") {
+        REQUIRE(place.run("simulate " + base + "--frames 2").code == 0);
+        check_refusal(place.run("export --out o --frames 0:2 --file m.obj --quiet", "ulimit -f 9;"), 1,
+                      {"cannot write m_000000.obj: File too large"});
+        CHECK_FALSE(fs::exists(place / "m_000000.obj"));
+    }
     for (const std::string& name : place.files()) CHECK_THAT(name, !Catch::EndsWith(".part"));
     CHECK_FALSE(fs::exists(place / "o/sheet.mp4"));
 }

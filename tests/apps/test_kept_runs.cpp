@@ -223,6 +223,20 @@ TEST_CASE("an exported frame has every digit of its state", "[cli]") {
             CHECK(std::memcmp(values, state.positions.data() + 3 * i, sizeof values) == 0);
         }
     }
+    SECTION("a sequence, its format from the extension") {
+        const Outcome outcome = place.run("export --out o --frames 1:4 --file m.obj --quiet");
+        CHECK(outcome.code == 0);
+        CHECK(outcome.err.empty());
+        CHECK(outcome.out == "3 frames as obj: m_000001.obj to m_000003.obj\n");
+        CHECK_FALSE(fs::exists(place / "m.obj"));
+        CHECK(slurp(place / "m_000003.obj") == export_as("obj"));
+        CHECK(slurp(place / "m_000001.obj") != slurp(place / "m_000002.obj"));
+    }
+    SECTION("a sequence with a frame that is not kept") {
+        check_refusal(place.run("export --out o --frames 2:5 --file m.ply"), 2,
+                      {"--frames 2:5: the state of frame 4 is not kept in o; kept: 4 frames from 0 to 3"});
+        CHECK_FALSE(fs::exists(place / "m_000002.ply"));
+    }
     SECTION("a frame that is not kept") {
         check_refusal(place.run("export --out o --frame 4 --format obj --file m.obj"), 2,
                       {"--frame 4: its state is not kept in o", "4 frames from 0 to 3"});

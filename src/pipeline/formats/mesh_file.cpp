@@ -32,8 +32,7 @@ MeshData read_any(const fs::path& path, bool faces_wanted) {
         throw Error(ExitCode::invalid_scene, e.what());
     }
     if (text.find_first_not_of(" \t\r\n") == std::string::npos) place.fail("is empty");
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    const std::string extension = extension_of(path);
     if (extension == ".obj") return checked_mesh(read_obj(text, path), path, faces_wanted);
     if (extension == ".ply") return checked_mesh(read_ply(text, path), path, faces_wanted);
     return checked_mesh(import_by_assimp(path, extension), path, faces_wanted);
@@ -47,10 +46,6 @@ MeshData read_mesh(const fs::path& path) {
 
 Points read_points(const fs::path& path) {
     return read_any(path, false).positions;
-}
-
-void write_mesh(const MeshData& mesh, MeshFormat format, const fs::path& path) {
-    write_file(path, format == MeshFormat::obj ? obj_text(mesh) : ply_text(mesh));
 }
 
 }  // namespace cloth::pipeline

@@ -15,10 +15,4 @@ MeshData read_mesh(const std::filesystem::path& path);
 /// Only the vertices, as a start pose needs them: the file need not have faces.
 Points read_points(const std::filesystem::path& path);
 
-enum class MeshFormat { obj, ply };
-
-/// Text with 17 significant digits, so that reading gives the same doubles. Written to a temporary name, then
-/// renamed.
-void write_mesh(const MeshData& mesh, MeshFormat format, const std::filesystem::path& path);
-
 }  // namespace cloth::pipeline

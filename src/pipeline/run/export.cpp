@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <system_error>
 
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/state_store.h"
@@ -11,21 +12,48 @@ namespace cloth::pipeline {
 
 namespace fs = std::filesystem;
 
-void export_frame(const fs::path& out, std::int64_t frame, MeshFormat format, const fs::path& file) {
+namespace {
+
+void write_meshes(const RunFolder& folder, const std::vector<std::int64_t>& frames, Exporter& exporter,
+                  const RunOptions& options) {
+    const double frame_rate = load_run_scene(folder.root()).scene.simulation.frame_rate;
+    const Topology topology = read_topology(folder.topology());
+    Progress progress{.frames = static_cast<std::int64_t>(frames.size())};
+    exporter.begin(topology, frame_rate);
+    for (const std::int64_t frame : frames) {
+        if (options.stopping()) throw Error(ExitCode::interrupted, "interrupted: no mesh was written");
+        const State state = read_state(folder.state(frame));
+        if (state.positions.size() != topology.rest_positions.size())
+            throw Error(ExitCode::other,
+                        folder.state(frame).string() + ": does not fit " + folder.topology().string());
+        exporter.frame(frame, static_cast<double>(frame) / frame_rate,
+                       Eigen::Map<const Points>(state.positions.data(), topology.rest_positions.rows(), 3));
+        ++progress.simulated;
+        if (options.progress) options.progress(progress);
+    }
+    exporter.end();
+}
+
+}  // namespace
+
+void export_frame(const fs::path& out, std::int64_t frame, const ExportFormat& format, const fs::path& file) {
     const RunFolder folder = RunFolder::open(out);
     const auto kept = folder.kept_states();
     if (!std::binary_search(kept.begin(), kept.end(), frame))
         throw Error(ExitCode::usage, fmt::format("--frame {}: its state is not kept in {}; kept: {}", frame,
                                                  out.string(), span_text(kept)));
-    const Topology topology = read_topology(folder.topology());
-    const State state = read_state(folder.state(frame));
-    if (state.positions.size() != topology.rest_positions.size())
-        throw Error(ExitCode::other,
-                    folder.state(frame).string() + ": does not fit " + folder.topology().string());
-    MeshData mesh;
-    mesh.positions = Eigen::Map<const Points>(state.positions.data(), topology.rest_positions.rows(), 3);
-    mesh.triangles = topology.triangles;
-    write_mesh(mesh, format, file);
+    write_meshes(folder, {frame}, *format.make(file, FrameNames::as_given), {});
+}
+
+void export_frames(const fs::path& out, const FrameSpan& span, const ExportFormat& format,
+                   const fs::path& file, const RunOptions& options) {
+    std::error_code ignored;
+    if (!file.has_filename() || fs::is_directory(file, ignored))
+        throw Error(ExitCode::usage,
+                    fmt::format("--file {}: is a folder; give a name in it, as in {}", file.string(),
+                                (file / fmt::format("sheet{}", format.extension)).string()));
+    const RunFolder folder = RunFolder::open(out);
+    write_meshes(folder, kept_frames(folder, span), *format.make(file, FrameNames::numbered), options);
 }
 
 }  // namespace cloth::pipeline

@@ -10,7 +10,7 @@
 #include "pipeline/formats/build_info.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
-#include "pipeline/formats/mesh_file.h"
+#include "pipeline/formats/obj.h"
 #include "pipeline/formats/state_store.h"
 #include "pipeline/run/report.h"
 #include "render/image/image.h"
@@ -29,7 +29,7 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
                                const MeshData& mesh) {
         kept[key] = fmt::format("meshes/{}_{:06d}.obj", stem, number);
         fs::create_directories(folder.meshes());
-        write_mesh(mesh, MeshFormat::obj, folder.root() / kept[key]);
+        write_file(folder.root() / kept[key], obj_text(mesh));
     };
     for (std::size_t c = 0; c < file.scene.cloths.size(); ++c) {
         const ClothDesc& desc = file.scene.cloths[c];
@@ -82,7 +82,7 @@ KeptRun open_run(const fs::path& out, const Overrides& overrides) {
 std::vector<std::int64_t> kept_frames(const RunFolder& folder, const std::optional<FrameSpan>& span) {
     const std::vector<std::int64_t> kept = folder.kept_states();
     const std::string out = folder.root().string();
-    if (kept.empty()) throw Error(ExitCode::other, out + ": keeps no states to draw");
+    if (kept.empty()) throw Error(ExitCode::other, out + ": keeps no states");
     if (!span) return kept;
     std::vector<std::int64_t> frames;
     for (std::int64_t frame = span->first; frame < span->last; ++frame) {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/formats/mesh_file.h"
+#include "pipeline/formats/exporters.h"
 #include "pipeline/run/kept_run.h"
 #include "pipeline/run/report.h"
 #include "pipeline/run/run_options.h"
@@ -37,7 +37,12 @@ RunSummary encode_run(const std::filesystem::path& out, const Overrides& overrid
                       const RunOptions& options);
 
 /// Writes the kept state of `frame` as a mesh, all cloths together. Throws Error(usage) where it is not kept.
-void export_frame(const std::filesystem::path& out, std::int64_t frame, MeshFormat format,
+void export_frame(const std::filesystem::path& out, std::int64_t frame, const ExportFormat& format,
                   const std::filesystem::path& file);
+/// Writes the kept states of a span as a sequence: sheet_000000.obj … for the file sheet.obj in a format of
+/// one file per frame, else that one file. Throws Error(usage) where one of them is not kept or `file` is a
+/// folder, Error(interrupted) where it is stopped; no file is left then.
+void export_frames(const std::filesystem::path& out, const FrameSpan& span, const ExportFormat& format,
+                   const std::filesystem::path& file, const RunOptions& options);
 
 }  // namespace cloth::pipeline

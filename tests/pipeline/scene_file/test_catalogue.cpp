@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "pipeline/formats/mesh_file.h"
+#include "pipeline/formats/ply.h"
 #include "pipeline/scene_file/scene_text.h"
 #include "sim/scene/mesh.h"
 #include "support/temporary_folder.h"
@@ -49,7 +49,7 @@ TEST_CASE("scenes are found by name and by path", "[scene_file]") {
 
 TEST_CASE("a relative mesh is looked for beside the scene", "[scene_file]") {
     const TemporaryFolder folder;
-    write_mesh(make_grid({.resolution = {3, 3}}), MeshFormat::ply, folder / "rest.ply");
+    spit(folder / "rest.ply", ply_text(make_grid({.resolution = {3, 3}})));
     spit(folder / "s.toml", sheet("mesh = \"rest.ply\"\n"));
     const fs::path before = fs::current_path();
     fs::current_path(folder.path().parent_path());

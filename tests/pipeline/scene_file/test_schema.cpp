@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/formats/mesh_file.h"
+#include "pipeline/formats/ply.h"
 #include "pipeline/scene_file/scene_text.h"
 #include "pipeline/scene_file/tables.h"
 #include "render/image/image.h"
@@ -170,8 +170,8 @@ void check_only(SceneFile& base, SceneFile& set, const std::string& key, const s
 TEST_CASE("every key is read into its own place, written, and read back to the bit", "[scene_file]") {
     const TemporaryFolder folder;
     const MeshData rest = make_grid({.resolution = {3, 3}});
-    write_mesh(rest, MeshFormat::ply, folder / "rest.ply");
-    write_mesh(rest, MeshFormat::ply, folder / "print.ply");
+    spit(folder / "rest.ply", ply_text(rest));
+    spit(folder / "print.ply", ply_text(rest));
     render::write_png({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, folder / "print.png");
     const std::map<std::string, Setting> special = settings(folder.path());
     SceneFile each = scene_of_each();
@@ -264,7 +264,7 @@ TEST_CASE("single-precision numbers are written as typed", "[scene_file]") {
 
 TEST_CASE("a scene can be written with its files under other names", "[scene_file]") {
     const TemporaryFolder folder;
-    write_mesh(make_grid({.resolution = {3, 3}}), MeshFormat::ply, folder / "rest.ply");
+    spit(folder / "rest.ply", ply_text(make_grid({.resolution = {3, 3}})));
     const SceneFile f =
         parse_scene(sheet("mesh = \"rest.ply\"\npose = \"rest.ply\"\n"), "s.toml", folder.path());
     const std::string text = f.resolved({{"cloth[0].mesh", "meshes/a.obj"}});

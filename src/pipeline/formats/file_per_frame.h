@@ -1,0 +1,27 @@
+#pragma once
+// The exporter of formats whose files hold one mesh each.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "pipeline/formats/exporter.h"
+
+namespace cloth::pipeline {
+
+enum class FrameNames {
+    as_given,  ///< for a single frame
+    numbered,  ///< as numbered_file() says
+};
+
+/// sheet.obj → sheet_000012.obj, in the same folder.
+std::filesystem::path numbered_file(const std::filesystem::path& file, std::int64_t frame);
+
+/// What a file of a format holds for a mesh.
+using MeshBytes = std::string (*)(const MeshData& mesh);
+
+std::unique_ptr<Exporter> file_per_frame(MeshBytes bytes, const std::filesystem::path& file,
+                                         FrameNames names);
+
+}  // namespace cloth::pipeline
