@@ -52,11 +52,8 @@ Scene make_scene(const Options& o) {
     ClothDesc cloth;
     cloth.grid.resolution = {o.vertices, o.vertices};
     cloth.grid.diagonals = Diagonals::alternating;
-    cloth.fabric.density = 0.15;
-    cloth.fabric.thickness = 5e-4;
-    cloth.fabric.young_modulus = 1e6;
-    cloth.fabric.bending = 1e-5;
-    cloth.fabric.friction = 0.3;
+    cloth.fabric = {
+        .density = 0.15, .thickness = 5e-4, .young_modulus = 1e6, .bending = 1e-5, .friction = 0.3};
     ColliderDesc collider;
     collider.friction = 0.3;
     if (o.scene == "drape") {

@@ -36,10 +36,7 @@ struct System {
         ClothDesc cloth;
         cloth.grid.resolution = {side, side};
         cloth.grid.diagonals = Diagonals::alternating;
-        cloth.fabric.density = 0.15;
-        cloth.fabric.thickness = 5e-4;
-        cloth.fabric.young_modulus = 1e6;
-        cloth.fabric.bending = 1e-5;
+        cloth.fabric = {.density = 0.15, .thickness = 5e-4, .young_modulus = 1e6, .bending = 1e-5};
         scene.cloths.push_back(cloth);
         const Model model = build_model(scene);
         VecX x = start_state(model).positions;

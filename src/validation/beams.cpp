@@ -17,14 +17,14 @@ namespace {
 Scene cantilever_scene(double gamma, int cells, double grading, double stiffness) {
     constexpr int across = 2;
     const auto columns = clamped_columns(1.0, cells, grading);
-    Scene scene;
+    Scene scene = contact_free_scene();
     ClothDesc cloth;
     cloth.mesh = make_strip(columns, 0.1, across, -Vec3::UnitZ());
-    cloth.fabric.density = 1.0;
-    cloth.fabric.thickness = 1.0;
-    cloth.fabric.young_modulus = stiffness;
-    cloth.fabric.poisson_ratio = 0.0;
-    cloth.fabric.bending = 1.0 / gamma;
+    cloth.fabric = {.density = 1.0,
+                    .thickness = 1.0,
+                    .young_modulus = stiffness,
+                    .poisson_ratio = 0.0,
+                    .bending = 1.0 / gamma};
     scene.cloths.push_back(cloth);
     PinDesc pin;
     pin.vertices = column_vertices(cells + 1, across + 1, 0, 1);
@@ -121,14 +121,14 @@ Outcome check_lateral_buckling(const Parameters& parameters) {
     for (double load : {0.95, 1.05}) {
         // w L³ / √(B C) with w = ρ g b, B = D b, C = 2 D b.
         const double density = 1.0, g = load * critical * std::numbers::sqrt2 * D / density;
-        Scene scene;
+        Scene scene = contact_free_scene();
         ClothDesc cloth;
         cloth.mesh = make_strip(clamped_columns(1.0, cells, 1.0), width, across, Vec3::UnitY());
-        cloth.fabric.density = density;
-        cloth.fabric.thickness = 1.0;
-        cloth.fabric.young_modulus = 1e6 * D / (width * width);
-        cloth.fabric.poisson_ratio = 0.0;
-        cloth.fabric.bending = D;
+        cloth.fabric = {.density = density,
+                        .thickness = 1.0,
+                        .young_modulus = 1e6 * D / (width * width),
+                        .poisson_ratio = 0.0,
+                        .bending = D};
         // A push to the side, to be forgotten or to grow.
         cloth.velocity = Vec3(0.0, 0.0, 1e-6);
         scene.cloths.push_back(cloth);
@@ -168,15 +168,12 @@ Outcome check_vibration(const Parameters& parameters) {
         const double beta = roots[mode];
         const double frequency =
             beta * beta / (2.0 * std::numbers::pi) * std::sqrt(D / density) / (length * length);
-        Scene scene;
+        Scene scene = contact_free_scene();
         ClothDesc cloth;
         const auto columns = clamped_columns(length, cells, 1.0);
         cloth.mesh = make_strip(columns, width, across, -Vec3::UnitZ());
-        cloth.fabric.density = density;
-        cloth.fabric.thickness = 1.0;
-        cloth.fabric.young_modulus = 500.0;
-        cloth.fabric.poisson_ratio = 0.0;
-        cloth.fabric.bending = D;
+        cloth.fabric = {
+            .density = density, .thickness = 1.0, .young_modulus = 500.0, .poisson_ratio = 0.0, .bending = D};
         scene.cloths.push_back(cloth);
         PinDesc pin;
         pin.vertices = column_vertices(cells + 1, across + 1, 0, 1);

@@ -57,7 +57,7 @@ double shadow_area(const State& state, const Triangles& triangles) {
 }  // namespace
 
 double cusick_drape_coefficient(const Fabric& fabric, int rings) {
-    Scene scene;
+    Scene scene = contact_free_scene();
     ClothDesc cloth;
     cloth.disc = Disc{disc_radius, rings};
     cloth.fabric = fabric;

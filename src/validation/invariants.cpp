@@ -38,14 +38,11 @@ Vec3 linear_momentum(const Simulation& simulation, Vec3* angular = nullptr) {
 
 /// A soft sheet of a quarter metre with bending, in free space.
 Scene soft_sheet(int resolution) {
-    Scene scene;
+    Scene scene = contact_free_scene();
     ClothDesc cloth;
     cloth.grid = {.size = {0.25, 0.25}, .resolution = {resolution, resolution}};
-    cloth.fabric.density = 0.2;
-    cloth.fabric.thickness = 1.0;
-    cloth.fabric.young_modulus = 50.0;
-    cloth.fabric.poisson_ratio = 0.3;
-    cloth.fabric.bending = 1e-4;
+    cloth.fabric = {
+        .density = 0.2, .thickness = 1.0, .young_modulus = 50.0, .poisson_ratio = 0.3, .bending = 1e-4};
     scene.cloths.push_back(cloth);
     scene.simulation.gravity.setZero();
     scene.simulation.newton_tolerance = 1e-11;
@@ -54,7 +51,7 @@ Scene soft_sheet(int resolution) {
 
 /// Half a metre of cotton, `cells` squares a side, hung up at two places: the upper left corner and `second`.
 Scene hanging_cotton(int cells, Diagonals diagonals, const Vec3& second) {
-    Scene scene;
+    Scene scene = contact_free_scene();
     ClothDesc cloth;
     cloth.grid = {.size = {0.5, 0.5}, .resolution = {cells + 1, cells + 1}, .diagonals = diagonals};
     cloth.fabric = find_fabric("cotton")->fabric;

@@ -7,6 +7,12 @@
 
 namespace cloth::validation {
 
+Scene contact_free_scene() {
+    Scene scene;
+    scene.simulation.contact = ContactKind::velocity_filter;  // of colliders, and there are none
+    return scene;
+}
+
 MeshData make_strip(const std::vector<double>& columns, double width, int across, const Vec3& side) {
     const int nx = static_cast<int>(columns.size()), ny = across + 1;
     MeshData mesh;

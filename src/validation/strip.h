@@ -1,5 +1,5 @@
 #pragma once
-// Strips for the checks, and running them. Internal.
+// Scenes and strips for the checks, and running them. Internal.
 
 #include <functional>
 #include <string>
@@ -9,6 +9,9 @@
 #include "sim/simulation.h"
 
 namespace cloth::validation {
+
+/// A scene whose cloth passes through itself: the checks are of what no contact has a part in.
+Scene contact_free_scene();
 
 /// A strip along x: columns of vertices at the given x, `across` cells over the width along `side`.
 MeshData make_strip(const std::vector<double>& columns, double width, int across, const Vec3& side);

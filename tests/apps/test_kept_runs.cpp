@@ -89,10 +89,6 @@ TEST_CASE(
     const Workplace place;
     spit(place / "sheet.toml", R"(version = 1
 
-[simulation]
-integrator = "implicit_euler"
-contact = "barrier"
-
 [[cloth]]
 texture = "print.png"
 

@@ -18,11 +18,14 @@ description = "A small sheet that falls on a sphere."
 [simulation]
 frame_rate = 60
 time_step = 0.005
+integrator = "linearly_implicit_euler"
+contact = "velocity_filter"
 
 [[cloth]]
 resolution = [12, 12]
 rotate = [-90, 0, 0]
 translate = [0, 0.27, 0]
+fabric = {}
 
 [[collider]]
 shape = "sphere"

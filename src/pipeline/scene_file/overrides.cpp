@@ -122,6 +122,7 @@ void Reader::override_key(const Override& wanted) {
             }
             path += (path.empty() ? "" : ".") + fmt::format("{}[{}]", name, number);
         } else {
+            if (plain == "cloth.fabric" && !table->contains(name)) table->insert(name, default_fabric().name);
             if (!table->contains(name)) table->insert(name, toml::table{});
             if (toml::node* word = table->get(name); plain == "cloth.fabric" && word->is_string()) {
                 toml::table named;

@@ -48,7 +48,7 @@ Fabric named_fabric(Reader& reader, const toml::node& name, const std::string& k
     reader.fail(key, unknown_fabric(text));
 }
 
-/// fabric = "cotton", or a table, which may have a base = "cotton".
+/// fabric = "cotton", or a table, which begins with a base = "cotton" or with the struct's values.
 void read_fabric(Reader& reader, const toml::node& node, const Table& at, Fabric& f) {
     if (node.is_string()) {
         f = named_fabric(reader, node, at.path);
@@ -58,7 +58,7 @@ void read_fabric(Reader& reader, const toml::node& node, const Table& at, Fabric
         reader.fail(at.path, "is " + type_name(node) + "; must be a fabric's name or a table");
     }
     const toml::table& table = *node.as_table();
-    if (table.contains("base")) f = named_fabric(reader, *table.get("base"), at.path + ".base");
+    f = table.contains("base") ? named_fabric(reader, *table.get("base"), at.path + ".base") : Fabric{};
     reader.read(table, at.path, at.fields, {"base"});
     // What the table changes leaves parts of its base without a meaning.
     const auto drop = [&](const char* name, auto& value) {

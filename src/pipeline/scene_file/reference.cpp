@@ -10,7 +10,8 @@ namespace {
 std::string title(const Table& table) {
     if (table.name.empty()) return "(top of the file)";
     if (table.name == "cloth.fabric")
-        return "[cloth.fabric]  (or fabric = \"cotton\"; base = \"cotton\" begins with its values)";
+        return "[cloth.fabric]  (no table: " + default_fabric().name +
+               "; fabric = \"silk\": that; base = \"silk\" begins with its values, else with these)";
     if (table.name == "seam.first") return "[seam.first], [seam.second]";
     if (table.name == "ground")
         return "[ground]  (no table: the first level plane that stands still is drawn so, or no floor)";

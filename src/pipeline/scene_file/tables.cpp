@@ -66,6 +66,7 @@ Tables tables_of(SceneFile& file, FileNames& files) {
 SceneFile scene_of_each() {
     SceneFile file;
     file.scene.cloths.resize(1);
+    file.scene.cloths[0].fabric = {};  // what a table of numbers begins with
     file.scene.colliders.resize(1);
     file.scene.pins.resize(1);
     file.scene.seams.resize(1);

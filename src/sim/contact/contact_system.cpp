@@ -39,7 +39,7 @@ ContactSystem make_contact_system(const Model& model) {
     s.rest.resize(3 * rest.size());
     for (std::size_t v = 0; v < rest.size(); ++v) s.rest.segment<3>(3 * v) = rest[v];
     s.activation = scene.simulation.contact_activation;
-    s.sliding_speed = scene.simulation.sliding_speed.value_or(1e-5);
+    s.sliding_speed = scene.simulation.sliding_speed.value_or(1e-4);
     s.acceleration = scene.simulation.gravity.norm() + s.activation / (model.time_step * model.time_step);
     return s;
 }

@@ -24,7 +24,7 @@ struct ContactSystem {
     std::vector<double> friction;  ///< Coulomb coefficient, one per body
     std::vector<Plane> planes;
     double activation = 1e-3;     ///< ĝ [m]
-    double sliding_speed = 1e-5;  ///< [m/s]
+    double sliding_speed = 1e-4;  ///< [m/s]
     double acceleration = 10.0;   ///< |gravity| + ĝ/dt² [m/s²]
 
     bool is_cloth(int vertex) const { return vertex < cloth_vertices; }

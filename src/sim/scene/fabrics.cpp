@@ -272,6 +272,10 @@ const std::vector<NamedFabric>& named_fabrics() {
     return fabrics;
 }
 
+Fabric default_fabric() {
+    return find_fabric("cotton")->fabric;
+}
+
 const NamedFabric* find_fabric(const std::string& name) {
     const auto& fabrics = named_fabrics();
     const auto found = std::find_if(fabrics.begin(), fabrics.end(),

@@ -152,7 +152,8 @@ void validate_integrators(const Scene& scene) {
     require(
         scene.simulation.contact != ContactKind::barrier, "simulation.contact",
         "is \"barrier\", which needs integrator = \"implicit_euler\" or \"tr_bdf2\" throughout: the others "
-        "end a step where nothing has looked for collisions");
+        "end a step where nothing has looked for collisions; they go with \"penalty\" or "
+        "\"velocity_filter\"");
     for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
         require(!scene.cloths[i].fabric.strain_limit, item("cloth", i, "fabric.strain_limit"),
                 "needs integrator = \"implicit_euler\" or \"tr_bdf2\" throughout; set it to 0 to leave the "

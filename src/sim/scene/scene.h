@@ -35,6 +35,7 @@ enum class BendingKind {
 };
 
 /// Material of a sheet. Along the warp, across it (the weft) and, for bending, at 45 degrees (the bias).
+/// One of numbers alone begins with these; a cloth that says nothing is of default_fabric().
 struct Fabric {
     std::string name;         ///< the entry of the fabric table that it came from, if any
     double density = 0.15;    ///< mass per area of the sheet [kg/m²]
@@ -60,6 +61,9 @@ struct Fabric {
     double bending_damping = 0.0;   ///< viscous moment = this time × rigidity × curvature rate [s]
     double friction = 0.0;          ///< Coulomb coefficient of the fabric
 };
+
+/// Cotton, as fabrics.h has it.
+Fabric default_fabric();
 
 /// How a grid's squares are cut in two.
 enum class Diagonals {
@@ -111,7 +115,7 @@ struct ClothDesc {
     Vec3 warp = Vec3::UnitY();  ///< direction of the warp on the rest shape, any length but zero
     double contact_thickness =
         1e-3;  ///< of `barrier`: other things stay half of this away from the sheet [m]
-    Fabric fabric;
+    Fabric fabric = default_fabric();
 
     /// The grid where it is the rest shape, else null.
     const Grid* rest_grid() const { return disc || mesh ? nullptr : &grid; }
@@ -147,8 +151,8 @@ struct ColliderDesc {
     Vec3 spin = Vec3::Zero();     ///< steady turn about `center`, before `path`'s: axis times rate [degree/s]
     double contact_offset = 0.0;  ///< contact begins this far outside the drawn surface [m]
     std::optional<double> contact_radius;  ///< sphere: contact begins this far from the centre instead [m]
-    double friction = 0.0;  ///< Coulomb coefficient; `barrier` takes the geometric mean with the fabric's
-    bool enabled = true;    ///< whether it is on at the start
+    double friction = 0.35;  ///< Coulomb coefficient; `barrier` takes the geometric mean with the fabric's
+    bool enabled = true;     ///< whether it is on at the start
     bool drawn = true;
     bool touchable = true;  ///< false: only drawn, cloth passes through
 };
@@ -248,11 +252,11 @@ struct SimulationDesc {
     /// Largest step [s]; each frame is cut into the fewest equal steps that are no longer. Unless `substeps`.
     std::optional<double> time_step;
     std::optional<int> substeps;  ///< steps per frame, instead of time_step
-    IntegratorKind integrator = IntegratorKind::linearly_implicit_euler;
+    IntegratorKind integrator = IntegratorKind::implicit_euler;
     LinearHessian hessian = LinearHessian::assignment;  ///< of linearly_implicit_euler
-    ContactKind contact = ContactKind::velocity_filter;
+    ContactKind contact = ContactKind::barrier;
     double contact_stiffness = 100.0;  ///< of `penalty`, per vertex [N/m]
-    /// Friction is in full force above this speed [m/s]; default: 1e-3 for `penalty`, 1e-5 for `barrier`.
+    /// Friction is in full force above this speed [m/s]; default: 1e-3 for `penalty`, 1e-4 for `barrier`.
     std::optional<double> sliding_speed;
     double contact_activation = 1e-3;  ///< of `barrier`: gap at which repulsion begins [m]
     int newton_iterations = 100;       ///< most Newton iterations of one solve

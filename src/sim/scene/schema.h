@@ -102,7 +102,7 @@ inline constexpr EnumName<IntegratorKind> integrator_names[] = {
 inline constexpr EnumName<Switch> switch_names[] = {
     {Switch::on, "on"}, {Switch::off, "off"}, {Switch::toggle, "toggle"}};
 inline constexpr EnumName<LinearHessian> hessian_names[] = {{LinearHessian::assignment, "assignment"},
-                                                          {LinearHessian::projected, "projected"}};
+                                                            {LinearHessian::projected, "projected"}};
 inline constexpr EnumName<ContactKind> contact_names[] = {{ContactKind::velocity_filter, "velocity_filter"},
                                                           {ContactKind::penalty, "penalty"},
                                                           {ContactKind::barrier, "barrier"}};
@@ -185,7 +185,7 @@ void describe(V& v, SimulationDesc& s) {
     v("contact", s.contact, "how cloth meets colliders");
     v("contact_stiffness", s.contact_stiffness, "N/m", above(0.0), "of contact = \"penalty\", per vertex");
     v("sliding_speed", s.sliding_speed, "m/s", above(0.0),
-      "friction is in full force above it; default: 1e-3 with penalty, 1e-5 with barrier");
+      "friction is in full force above it; default: 1e-3 with penalty, 1e-4 with barrier");
     v("contact_activation", s.contact_activation, "m", above(0.0),
       "of contact = \"barrier\": gap at which repulsion begins");
     v("newton_iterations", s.newton_iterations, "", at_least(1),
@@ -303,9 +303,8 @@ void describe(V& v, ColliderDesc& c) {
 
 template <class V>
 void describe(V& v, VertexSelection& s) {
-    v.when(!s.vertices.empty(), [&] {
-        v("vertices", s.vertices, "", at_least(0), "indices into the cloth's vertices");
-    });
+    v.when(!s.vertices.empty(),
+           [&] { v("vertices", s.vertices, "", at_least(0), "indices into the cloth's vertices"); });
     v("box", s.box, "m", any, "lower and upper corner, start pose");
     v("nearest", s.nearest, "m", any, "the vertex nearest this point of the start pose");
     v("greatest", s.greatest, directions, "the vertices furthest that way");

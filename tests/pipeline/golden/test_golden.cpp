@@ -12,6 +12,7 @@
 #include "pipeline/picture/frame_builder.h"
 #include "render/raster/rasterizer.h"
 #include "sim/simulation.h"
+#include "support/assignment_settings.h"
 #include "support/temporary_folder.h"
 
 using namespace cloth;
@@ -26,9 +27,11 @@ SceneFile small_scene() {
     SceneFile file;
     file.name = "small";
     file.scene.name = "small";
+    file.scene.simulation = testing::assignment_settings();
     file.scene.simulation.time_step = 1.0 / 300;
     ClothDesc cloth;
     cloth.grid.resolution = {12, 12};
+    cloth.fabric = {};
     cloth.transform.rotate = Vec3(-90, 0, 0);
     cloth.transform.translate = Vec3(0, 0.3, 0);
     file.scene.cloths.push_back(cloth);

@@ -56,8 +56,7 @@ TEST_CASE("a level plane is drawn as the ground, another one as a surface", "[fr
     const auto frame_of = [](const std::string& plane, const std::string& rest = "") {
         const SceneFile f =
             parse(std::string("hem = 0.0\n[[collider]]\nshape = \"plane\"\ncolor = [1, 0, 0]\n") +
-                  "center = [0, -0.75, 0]\n" + plane + rest +
-                  "[simulation]\nintegrator = \"implicit_euler\"\ncontact = \"barrier\"\n");
+                  "center = [0, -0.75, 0]\n" + plane + rest);
         const Model model = build_model(f.scene);
         return FrameBuilder(f, model).build(start_state(model));
     };

@@ -153,9 +153,6 @@ TEST_CASE("parts of a subdivided triangle tile it", "[picture]") {
 
 TEST_CASE("what overlaps at the start is red where it stands, also behind other cloth", "[picture]") {
     const SceneFile file = parse_scene(R"(version = 1
-[simulation]
-integrator = "implicit_euler"
-contact = "barrier"
 [[cloth]]
 name = "level"
 resolution = [12, 12]

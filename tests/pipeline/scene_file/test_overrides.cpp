@@ -22,6 +22,7 @@ TEST_CASE("overrides reach every kind of key", "[scene_file]") {
                      "description=two words", "cloth.color=#336699", "expect.frames=[1]",
                      "cloth[1].fabric={mu = 2.0, lambda = 1.0}", "cloth.bump=1", "cloth.bump=0.25"});
     CHECK(f.scene.cloths[0].fabric.density == 0.2);
+    CHECK(f.scene.cloths[0].fabric.bending == default_fabric().bending);
     CHECK(f.scene.cloths[1].grid.resolution == std::array<int, 2>{3, 4});
     CHECK(f.scene.cloths[1].grid.diagonals == Diagonals::uniform);
     CHECK(f.scene.simulation.substeps == 4);

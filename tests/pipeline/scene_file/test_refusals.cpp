@@ -15,6 +15,8 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
     struct Case {
         std::string text, message;
     };
+    const std::string penalty = "[simulation]\ncontact = \"penalty\"\n",
+                      linear = penalty + "integrator = \"linearly_implicit_euler\"\n";
     const std::vector<Case> cases = {
         // what is not TOML
         {"version = 1\n[simulation\n", "s.toml:2:"},
@@ -106,13 +108,13 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("fabric.mu = 1\n"), "cloth[0].fabric.mu: mu and lambda are given together or not at all"},
         {sheet("fabric = { mu = 1, lambda = 1, young_modulus = 2 }\n"),
          "cloth[0].fabric.young_modulus: stands beside mu and lambda"},
-        {sheet("[[collider]]\nshape = \"box\"\n"), "collider[0].shape: needs contact = \"barrier\""},
-        {sheet("[[collider]]\nspin = [0, 90, 0]\n"), "collider[0].spin: needs contact = \"barrier\""},
+        {sheet(penalty + "[[collider]]\nshape = \"box\"\n"),
+         "collider[0].shape: needs contact = \"barrier\""},
+        {sheet(penalty + "[[collider]]\nspin = [0, 90, 0]\n"),
+         "collider[0].spin: needs contact = \"barrier\""},
         {sheet("[[collider]]\nmesh = \"a.obj\"\n"), "collider[0].mesh: belongs to shape = \"mesh\""},
-        {sheet("[simulation]\ncontact = \"barrier\"\nintegrator = \"implicit_euler\"\n"
-               "[[collider]]\nshape = \"mesh\"\n"),
-         "collider[0].mesh: is missing"},
-        {sheet("[simulation]\ncontact = \"barrier\"\nintegrator = \"implicit_midpoint\"\n"),
+        {sheet("[[collider]]\nshape = \"mesh\"\n"), "collider[0].mesh: is missing"},
+        {sheet("[simulation]\nintegrator = \"implicit_midpoint\"\n"),
          "simulation.contact: is \"barrier\", which needs integrator = \"implicit_euler\" or"},
         {sheet("[simulation]\ncontact_activation = 0\n"),
          "simulation.contact_activation: is 0; must be greater than 0 m"},
@@ -241,7 +243,7 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
          "s.toml:3:19: cloth[0].fabric.base: is a whole number; must be a fabric's name"},
         {sheet("fabric = { bse = \"wool\" }\n"),
          "s.toml:3:12: cloth[0].fabric.bse: unknown key; did you mean \"base\"?"},
-        {sheet("fabric = \"cotton\"\n"),
+        {sheet("fabric = \"cotton\"\n" + linear),
          "cloth[0].fabric.strain_limit: needs integrator = \"implicit_euler\""},
         {sheet("fabric = { base = \"denim\", poisson_ratio = 1.5, strain_limit = 0 }\n"),
          "cloth[0].fabric.poisson_ratio: is 1.5; must lie between -1 and 1"},
@@ -254,9 +256,9 @@ TEST_CASE("errors name file, line, column, key and what would be right", "[scene
         {sheet("fabric.bending_model = \"plates\"\n"), "must be one of quadratic, hinges"},
         {sheet("fabric.young_weft = 1e5\n"),
          "s.toml:3:21: cloth[0].fabric.young_weft: needs membrane = \"st_venant_kirchhoff\""},
-        {sheet("fabric = { strain_limit = 0.9 }\n[simulation]\nintegrator = \"implicit_euler\"\n"),
+        {sheet("fabric = { strain_limit = 0.9 }\n"),
          "s.toml:3:27: cloth[0].fabric.strain_limit: is 0.9; must be greater than 1, a stretch such as 1.05"},
-        {sheet("fabric.strain_limit = 1.05\n"),
+        {sheet("fabric.strain_limit = 1.05\n" + linear),
          "cloth[0].fabric.strain_limit: needs integrator = \"implicit_euler\" or \"tr_bdf2\""},
         {sheet("fabric.yield_curvature = 100\n"),
          "cloth[0].fabric.yield_curvature: needs bending_model = \"hinges\""},

@@ -120,9 +120,8 @@ TEST_CASE("a drag sees through the scene's camera as OpenGL does", "[scene_file]
 }
 
 TEST_CASE("a fabric is given by name, or by a name and what differs", "[scene_file]") {
-    const std::string implicit = "[simulation]\nintegrator = \"implicit_euler\"\n";
     const auto fabric = [&](const std::string& value, const Overrides& overrides = {}) {
-        const SceneFile file = parse(sheet("fabric = " + value + "\n" + implicit), overrides);
+        const SceneFile file = parse(sheet("fabric = " + value + "\n"), overrides);
         INFO(file.resolved());
         // The resolved scene holds the numbers, whatever becomes of the table.
         CHECK_THAT(file.resolved(), !Contains("base"));
@@ -139,13 +138,19 @@ TEST_CASE("a fabric is given by name, or by a name and what differs", "[scene_fi
     CHECK(text_of(fabric("{ density = 0.2, base = \"cotton\" }")) == text_of(heavier));
     heavier.name = "canvas";
     CHECK(text_of(fabric("{ base = \"cotton\", density = 0.2, name = \"canvas\" }")) == text_of(heavier));
+    // Of a table of numbers alone it is the numbers; of nothing, cotton.
+    CHECK(text_of(fabric("{ density = 0.2 }")) == text_of({.density = 0.2}));
+    CHECK(text_of(parse(sheet()).scene.cloths[0].fabric) == text_of(cotton));
+    CHECK(text_of(parse(sheet(), {"cloth.fabric.density=0.2", "cloth.fabric.name=canvas"})
+                      .scene.cloths[0]
+                      .fabric) == text_of(heavier));
     // Overrides know both ways of writing.
     CHECK(fabric("\"cotton\"", {"cloth.fabric.density=0.3"}).density == 0.3);
     CHECK(fabric("\"cotton\"", {"cloth.fabric.density=0.3"}).bending == cotton.bending);
     CHECK(fabric("{ density = 0.2 }", {"cloth.fabric=silk"}).name == "silk");
     CHECK(fabric("{ base = \"cotton\", density = 0.2 }", {"cloth.fabric.base=silk"}).name == "silk");
     CHECK(fabric("{ base = \"cotton\", density = 0.2 }", {"cloth.fabric.base=silk"}).density == 0.2);
-    CHECK_THAT(refusal(sheet("fabric = \"cotton\"\n" + implicit), {"cloth.fabric=silc"}),
+    CHECK_THAT(refusal(sheet("fabric = \"cotton\"\n"), {"cloth.fabric=silc"}),
                Catch::StartsWith("--set cloth.fabric=silc: cloth[0].fabric: there is no fabric"));
 }
 

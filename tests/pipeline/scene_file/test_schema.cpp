@@ -67,8 +67,6 @@ struct Setting {
 };
 
 const std::string all_tables = R"(version = 1
-[simulation]
-integrator = "implicit_euler"
 [[cloth]]
 resolution = 3
 fabric = { young_modulus = 1e4, poisson_ratio = 0.3 }
@@ -87,7 +85,7 @@ integrator = "tr_bdf2"
 const std::string two_cloths = "version = 1\n[[cloth]]\nname = \"a\"\n[[cloth]]\nname = \"b\"\n";
 
 std::map<std::string, Setting> settings(const fs::path& folder) {
-    const std::string barrier = "simulation.contact=barrier", mesh = (folder / "rest.ply").string(),
+    const std::string mesh = (folder / "rest.ply").string(),
                       event =
                           "version = 1\n[[cloth]]\n[[collider]]\nname = \"ball\"\n[[collider]]\n[[event]]\n";
     const Overrides moduli{"cloth.fabric.mu=2.5", "cloth.fabric.lambda=2.5"};
@@ -108,12 +106,10 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
         {"cloth.fabric.lambda", {.needs = moduli}},
         {"cloth.fabric.bending_model", {.value = "\"hinges\""}},
         {"cloth.fabric.yield_curvature", {.needs = {"cloth.fabric.bending_model=hinges"}}},
-        {"collider.shape", {.needs = {barrier}, .value = "\"capsule\""}},
+        {"collider.shape", {.value = "\"capsule\""}},
         {"collider.mesh",
-         {.needs = {barrier, "collider.shape=mesh", "collider.mesh=" + (folder / "print.ply").string()},
+         {.needs = {"collider.shape=mesh", "collider.mesh=" + (folder / "print.ply").string()},
           .value = "\"" + mesh + "\""}},
-        {"collider.path", {.needs = {barrier}}},
-        {"collider.spin", {.needs = {barrier}}},
         {"pin.cloth", {.value = "\"b\"", .scene = two_cloths + "[[pin]]\nedge = \"top\"\n"}},
         {"pin.vertices", {.value = "[4, 2]"}},
         {"pin.box", {.value = "[[-9.0, -8.0, -7.0], [6.0, 5.0, 4.0]]"}},
@@ -125,7 +121,7 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
         {"drag.path", {.value = "[[0.5, 3.0, 4.0], [0.75, 5.0, 6.0]]"}},
         {"event.collider", {.needs = {"event.collider=1"}, .value = "\"ball\"", .scene = event}},
         {"event.action", {.needs = {"event.collider=ball"}, .value = "\"off\"", .scene = event}},
-        {"event.integrator", {.value = "\"toggle\""}},
+        {"event.integrator", {.needs = {"simulation.contact=penalty"}, .value = "\"toggle\""}},
         {"camera.path",
          {.value = "[{ time = 0.5, position = [0.1, 0.2, 0.3], target = [3.0, 0.5, 1.0], "
                    "field_of_view = 20.0 }]"}},

@@ -5,17 +5,18 @@
 
 #include "sim/fields/vertex_fields.h"
 #include "sim/model.h"
+#include "support/assignment_settings.h"
 
 using namespace cloth;
 
 namespace {
 
 Scene one_sheet() {
-    Scene scene;
+    Scene scene{.simulation = testing::assignment_settings()};
     scene.cloths.resize(1);
     scene.cloths[0].grid.resolution = {7, 6};
     scene.cloths[0].grid.diagonals = Diagonals::uniform;
-    scene.cloths[0].fabric.density = 0.2;
+    scene.cloths[0].fabric = {.density = 0.2};
     return scene;
 }
 

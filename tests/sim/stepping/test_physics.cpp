@@ -8,6 +8,7 @@
 #include "sim/scene/mesh.h"
 #include "sim/simulation.h"
 #include "sim/stepping/total_energy.h"
+#include "support/assignment_settings.h"
 
 using namespace cloth;
 
@@ -17,7 +18,7 @@ constexpr double seed_mu = 142857.14285714287, seed_lambda = 35714.285714285714;
 
 /// The assignment's own set-up: 20 x 20, stiff, heavy gravity, the upper edge pinned.
 Scene seed_scene() {
-    Scene scene;
+    Scene scene{.simulation = testing::assignment_settings()};
     scene.simulation.gravity = Vec3(0.0, -1800.8, 0.0);
     scene.simulation.frame_rate = 1000.0;
     scene.simulation.time_step = 0.001;
@@ -34,13 +35,14 @@ Scene seed_scene() {
     sphere.center = Vec3(0.0, 0.0, 0.4);
     sphere.radius = 0.2;
     sphere.contact_radius = 0.22;
+    sphere.friction = 0.0;
     sphere.enabled = false;
     scene.colliders.push_back(sphere);
     return scene;
 }
 
 Scene free_sheet() {
-    Scene scene;
+    Scene scene{.simulation = testing::assignment_settings()};
     ClothDesc cloth;
     cloth.grid.resolution = {6, 5};
     cloth.fabric = {.density = 0.2, .thickness = 1e-3, .young_modulus = 5e5, .poisson_ratio = 0.3};
@@ -385,9 +387,9 @@ TEST_CASE("portable sine and cosine", "[math]") {
 
 namespace {
 
-/// A strip of a named fabric, hanging from its upper edge.
+/// A strip of a named fabric, hanging from its upper edge; it does not feel itself.
 Scene hanging_strip(const char* fabric, int columns = 4, int rows = 13) {
-    Scene scene;
+    Scene scene{.simulation = testing::assignment_settings()};
     ClothDesc cloth;
     cloth.grid = {.size = {0.1, 0.4}, .resolution = {columns, rows}};
     cloth.fabric = find_fabric(fabric)->fabric;
@@ -577,7 +579,7 @@ TEST_CASE("a seam closes in its time and holds", "[seams]") {
 TEST_CASE("folded paper keeps its crease when let go, folded cloth does not", "[fabrics]") {
     double opening[2];
     for (bool paper : {false, true}) {
-        Scene scene;
+        Scene scene{.simulation = testing::assignment_settings()};
         ClothDesc cloth;
         cloth.grid = {.size = {0.2, 0.05}, .resolution = {21, 6}};
         cloth.fabric = find_fabric("paper")->fabric;
