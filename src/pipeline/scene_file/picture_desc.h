@@ -85,7 +85,7 @@ enum class Framing {
 };
 
 struct CameraDesc {
-    Vec3 position{0.0, 0.3, 2.5}, target{0.0, 0.0, 0.0};  ///< [m]
+    Vec3 position{0.9, 0.8, 1.9}, target{0.0, 0.0, 0.0};  ///< [m]
     Vec3 up{0.0, 1.0, 0.0};
     double field_of_view = 35.0;  ///< vertical [degree]
     std::vector<CameraKey> path;  ///< times ascend
