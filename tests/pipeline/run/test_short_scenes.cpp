@@ -27,7 +27,8 @@ TEST_CASE("a cloth and a collider alone run to rest, and nothing overlaps", "[sc
             }
         }
         const VecX& v = simulation.state().velocities;
-        CHECK(v.norm() < 0.02 * std::sqrt(v.size() / 3.0));  // its last swings, root mean square
+        CHECK(v.norm() <
+              0.02 * std::sqrt(static_cast<double>(v.size()) / 3.0));  // its last swings, root mean square
         CHECK(report.contacts > 0);
     }
 }
