@@ -45,11 +45,17 @@ BlockPattern::BlockPattern(int vertex_count, std::vector<std::array<int, 2>> pai
     for (int i = 0; i < vertex_count; ++i) row_begin[i + 1] += row_begin[i];
 }
 
-int BlockPattern::slot(int i, int j) const {
+int BlockPattern::find(int i, int j) const {
+    if (i > j) std::swap(i, j);
     const auto begin = column.begin() + row_begin[i], end = column.begin() + row_begin[i + 1];
     const auto found = std::lower_bound(begin, end, j);
-    if (found == end || *found != j) throw std::out_of_range("BlockPattern::slot: no such block");
-    return static_cast<int>(found - column.begin());
+    return found == end || *found != j ? -1 : static_cast<int>(found - column.begin());
+}
+
+int BlockPattern::slot(int i, int j) const {
+    const int found = i <= j ? find(i, j) : -1;
+    if (found < 0) throw std::out_of_range("BlockPattern::slot: no such block");
+    return found;
 }
 
 void multiply(const BlockPattern& pattern, const BlockMatrix& A, const VecX& x, VecX& y) {

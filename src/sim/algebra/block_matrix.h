@@ -20,6 +20,8 @@ class BlockPattern {
     int slot_count() const { return static_cast<int>(column.size()); }
     /// Slot of block (i, j), i ≤ j; throws std::out_of_range where there is none.
     int slot(int i, int j) const;
+    /// The same, in any order; -1 where there is none.
+    int find(int i, int j) const;
     int diagonal(int i) const { return row_begin[i]; }
 
     std::vector<int> row_begin{0};  ///< row i holds slots row_begin[i] … row_begin[i+1]-1, its diagonal first

@@ -13,16 +13,9 @@ constexpr int block_count = 10;
 constexpr std::array<int, block_count> rows{0, 0, 0, 0, 1, 1, 1, 2, 2, 3},
     columns{0, 1, 2, 3, 1, 2, 3, 2, 3, 3};
 
-/// Where each block of a pair goes: a slot of the pattern, or
+/// Where each block of a pair goes: what BlockPattern::find() says, or
 constexpr int nowhere = -2, outside_pattern = -1;
 using Slots = std::array<int, block_count>;
-
-int find_slot(const BlockPattern& pattern, int i, int j) {
-    const auto begin = pattern.column.begin() + pattern.row_begin[i];
-    const auto end = pattern.column.begin() + pattern.row_begin[i + 1];
-    const auto it = std::lower_bound(begin, end, j);
-    return it != end && *it == j ? static_cast<int>(it - pattern.column.begin()) : outside_pattern;
-}
 
 /// `n`: vertices that move.
 Slots slots_of(const BlockPattern& pattern, int n, const std::array<int, 4>& points, int split) {
@@ -32,7 +25,7 @@ Slots slots_of(const BlockPattern& pattern, int n, const std::array<int, 4>& poi
     bool coupled_inside = true;
     for (int b = 0; b < block_count; ++b) {
         const int v = points[rows[b]], w = points[columns[b]];
-        slots[b] = moves(v) && moves(w) ? find_slot(pattern, std::min(v, w), std::max(v, w)) : nowhere;
+        slots[b] = moves(v) && moves(w) ? pattern.find(v, w) : nowhere;
         if (couples(b) && slots[b] == outside_pattern) coupled_inside = false;
     }
     for (int b = 0; b < block_count; ++b) {

@@ -121,7 +121,7 @@ class Minimization {
     bool find_direction(const VecX& x, double norm) {
         const bool near = rule_.near(norm);
         const HessianKind slides = near || slow_ ? HessianKind::exact : HessianKind::projected;
-        const double tolerance = std::clamp(0.03 * norm / rule_.scale, 1e-4, 0.03);
+        const double tolerance = std::clamp(0.02 * norm / rule_.scale, 1e-4, 0.02);
         if (near || (!barrier_ && !w_.indefinite)) {
             assemble(x, HessianKind::exact, slides, w_.system.inside);
             w_.indefinite = !solve(tolerance, false);

@@ -4,7 +4,8 @@ namespace cloth {
 
 Workspace::Workspace(const Model& model) : terms(model), pinned(model.pinned) {
     if (terms.barrier()) {
-        solver = std::make_unique<ConjugateGradients>(model.pattern);
+        near = without_second_ring(model.pattern, model.triangles);
+        solver = std::make_unique<ConjugateGradients>(model.pattern, near);
     } else {
         solver = std::make_unique<DirectSolver>(model.pattern);
     }

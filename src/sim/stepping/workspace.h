@@ -21,6 +21,7 @@ struct Workspace {
     void leave_out(const std::vector<Pin>& pins);
 
     Terms terms;
+    BlockPattern near;  ///< that factors for conjugate gradients begin with
     std::unique_ptr<LinearSolver> solver;
     std::vector<int> pinned;  ///< those that `solver` leaves out
     NewtonWorkspace newton;

@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
+#include "sim/energies/bending.h"
+#include "sim/scene/mesh.h"
 #include "sim/stepping/newton.h"
 #include "support/energy_battery.h"
 
@@ -74,7 +76,7 @@ TEST_CASE("conjugate gradients solve what couples vertices outside of the patter
     for (double stiff : {0.5, 1e3}) {
         const Chain chain(20, 5, stiff);
         const VecX b = random_vector(60);
-        ConjugateGradients solver(chain.pattern);
+        ConjugateGradients solver(chain.pattern, chain.pattern);
         solver.leave_out(pinned);
         solver.begin();
         StepReport report;
@@ -100,7 +102,7 @@ TEST_CASE("both linear solvers agree where nothing is outside of the pattern", "
     REQUIRE(exact.factorize(chain.A, false, report));
     REQUIRE(exact.solve(b, 0.0, direct, report));
     CHECK(report.cg_iterations == 0);
-    ConjugateGradients solver(chain.pattern);
+    ConjugateGradients solver(chain.pattern, chain.pattern);
     solver.leave_out({3});
     REQUIRE(solver.factorize(chain.A, false, report));
     REQUIRE(solver.solve(b, 1e-9, iterative, report));
@@ -112,17 +114,56 @@ TEST_CASE("a matrix that is not positive definite is refused by the factor or on
     Chain chain(12, 4, 2.0);
     StepReport report;
     VecX d;
-    for (Mat3& block : chain.A.outside.blocks) block *= 100.0;  // the factor does not see it
-    ConjugateGradients solver(chain.pattern);
+    const BlockPattern diagonal(12, {});
+    SystemMatrix hidden = chain.A;
+    hidden.outside = {};
+    for (int i = 0; i + 1 < 12; ++i) hidden.inside.blocks[chain.pattern.slot(i, i + 1)] *= 10.0;
+    ConjugateGradients thin(chain.pattern, diagonal);  // whose factor lacks these, and is positive definite
+    thin.leave_out({});
+    REQUIRE(thin.factorize(hidden, false, report));
+    CHECK_FALSE(thin.solve(random_vector(36), 1e-6, d, report));
+
+    ConjugateGradients solver(chain.pattern, chain.pattern);
     solver.leave_out({});
-    REQUIRE(solver.factorize(chain.A, false, report));
-    CHECK_FALSE(solver.solve(random_vector(36), 1e-6, d, report));
+    SystemMatrix coupled = chain.A;
+    for (Mat3& block : coupled.outside.blocks) block *= 100.0;
+    CHECK_FALSE(solver.factorize(coupled, false, report));
 
     chain.A.inside.blocks[chain.pattern.diagonal(5)] *= -1.0;
     DirectSolver exact(chain.pattern);
     exact.leave_out({});
     CHECK_FALSE(exact.factorize(chain.A, false, report));
     CHECK_FALSE(solver.factorize(chain.A, false, report));
+}
+
+TEST_CASE("contact that is coupled in the factor takes few iterations", "[newton]") {
+    const Chain chain(200, 5, 1e5);
+    StepReport report;
+    VecX d;
+    ConjugateGradients solver(chain.pattern, chain.pattern);
+    solver.leave_out({});
+    solver.begin();
+    REQUIRE(solver.factorize(chain.A, true, report));
+    REQUIRE(solver.solve(random_vector(600), 1e-3, d, report));
+    CHECK(report.cg_iterations <= 4);
+}
+
+TEST_CASE("a factor goes without bending's second ring, and keeps all else", "[newton]") {
+    const MeshData mesh = make_grid({.resolution = {4, 4}});
+    std::vector<std::array<int, 2>> edges, all{{0, 15}};  // a spring across, and bending
+    for (int t = 0; t < mesh.triangles.rows(); ++t) {
+        for (int i = 0; i < 3; ++i) edges.push_back({mesh.triangles(t, i), mesh.triangles(t, (i + 1) % 3)});
+    }
+    all.insert(all.end(), edges.begin(), edges.end());
+    const auto patches = make_bending_patches(mesh.positions, mesh.triangles, Vec3::UnitY());
+    const BendingEnergy bending(patches, std::vector<Mat3>(patches.size(), bending_rigidity(1e-5, 1e-5, {})));
+    bending.append_pairs(all);
+    const BlockPattern whole(16, all), near = without_second_ring(whole, mesh.triangles);
+    edges.push_back({0, 15});
+    const BlockPattern expected(16, edges);
+    CHECK(whole.slot_count() > expected.slot_count());
+    CHECK(near.column == expected.column);
+    CHECK(near.row_begin == expected.row_begin);
 }
 
 TEST_CASE("the rule ends a minimisation by its residual, at rest, or where rounding rules", "[newton]") {
