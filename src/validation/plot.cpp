@@ -5,26 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
+
 namespace cloth::validation {
 namespace {
 
 constexpr double width = 640, height = 420, left = 78, right = 20, top = 40, bottom = 58;
 constexpr const char* colours[] = {"#1f5fa8", "#c0392b", "#2e8b57", "#8e44ad", "#b8860b"};
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (char c : text) {
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else
-            out += c;
-    }
-    return out;
-}
 
 /// One axis: data → page, and where its ticks stand.
 struct Axis {
