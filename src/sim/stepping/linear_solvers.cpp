@@ -70,8 +70,12 @@ bool ConjugateGradients::factorize(const SystemMatrix& A, bool semidefinite, Ste
     ++report.factorizations;
     A_ = &A;
     semidefinite_ = semidefinite;
-    choose(A);
-    factor_ = !single_serves_ ? &whole() : couples_ ? &*coupled_ : &*single_;
+    if (single_serves_) {
+        choose(A);
+        factor_ = couples_ ? &*coupled_ : &*single_;
+    } else {
+        factor_ = &whole();
+    }
     if (factor_->factorize(A)) return true;
     if (!single_serves_ || !semidefinite) return false;
     single_serves_ = false;
