@@ -150,6 +150,13 @@ void conclude(const RunSummary& summary, const std::filesystem::path& out) {
     fmt::print("{}\n", last_line(summary, out));
 }
 
+std::filesystem::path run_scene(const SceneFlags& scene, const WorkFlags& flags, bool pictures) {
+    const pipeline::SceneFile file = scene.load();
+    const std::filesystem::path out = scene.folder(file);
+    conclude(pipeline::run_scene(file, out, Watch(flags, pictures).options()), out);
+    return out;
+}
+
 std::string plural(std::int64_t n, const std::string& noun) {
     return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apps/cli/command_line.h"
+#include "apps/cli/scene_flags.h"
 #include "pipeline/run/run.h"
 
 namespace cloth::cli {
@@ -43,6 +44,10 @@ class Watch {
 /// Tells in a line what a run made and how long each stage took. Throws Error(interrupted) where it was
 /// stopped, saying what is kept.
 void conclude(const pipeline::RunSummary& summary, const std::filesystem::path& out);
+
+/// Simulates the scene that is asked for, draws it where `pictures` are wanted, and concludes. Gives the
+/// run's folder.
+std::filesystem::path run_scene(const SceneFlags& scene, const WorkFlags& flags, bool pictures);
 
 /// "1 frame", "2 frames"
 std::string plural(std::int64_t n, const std::string& noun);

@@ -28,14 +28,6 @@ void add(cli::Flags& flags, Values& values) {
     values.scene.keys.add_annotation(flags);
 }
 
-/// The folder of a run that has been simulated for the sheet.
-fs::path simulated(const Values& values) {
-    const pipeline::SceneFile file = values.scene.load();
-    const fs::path out = values.scene.folder(file);
-    cli::conclude(pipeline::run_scene(file, out, cli::Watch(values.work, false).options()), out);
-    return out;
-}
-
 cli::ExitCode work(const Values& values) {
     const cli::KeyFlags& keys = values.scene.keys;
     const bool kept = values.scene.scene.empty();
@@ -44,7 +36,7 @@ cli::ExitCode work(const Values& values) {
     pipeline::SheetOptions sheet = values.sheet;
     sheet.own_size = keys.has_size();
     if (kept) sheet.span = keys.span();
-    const fs::path out = kept ? fs::path(values.scene.out) : simulated(values);
+    const fs::path out = kept ? fs::path(values.scene.out) : cli::run_scene(values.scene, values.work, false);
     const fs::path png = values.file.empty() ? pipeline::RunFolder::open(out).sheet() : fs::path(values.file);
     const auto overrides = kept ? keys.redraw_overrides() : pipeline::Overrides();
     const auto made =

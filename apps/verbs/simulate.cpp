@@ -16,10 +16,7 @@ void add(cli::Flags& flags, Values& values) {
 }
 
 cli::ExitCode work(const Values& values) {
-    const pipeline::SceneFile file = values.scene.load();
-    const std::filesystem::path out = values.scene.folder(file);
-    const auto summary = pipeline::run_scene(file, out, cli::Watch(values.work, false).options());
-    cli::conclude(summary, out);
+    cli::run_scene(values.scene, values.work, false);
     return cli::ExitCode::good;
 }
 
