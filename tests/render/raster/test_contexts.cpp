@@ -26,6 +26,23 @@ using namespace cloth::render::testing;
 using Catch::Matchers::Contains;
 using Catch::Matchers::Equals;
 
+namespace {
+
+/// What the test of this program with `tag` leaves in `picture`.
+Image drawn_by_another_process(std::string tag, const std::filesystem::path& picture) {
+    setenv("CLOTH_TEST_PICTURE", picture.c_str(), 1);
+    std::string program = "/proc/self/exe", quiet = "--out=/dev/null";
+    std::array<char*, 4> arguments{program.data(), tag.data(), quiet.data(), nullptr};
+    pid_t child = 0;
+    REQUIRE(posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ) == 0);
+    int status = -1;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    REQUIRE(status == 0);
+    return read_png(picture);
+}
+
+}  // namespace
+
 TEST_CASE("two draws are bit-identical, whatever is drawn between them", "[rasterizer]") {
     const Still still;
     const Image first = draw(still.frame, still.view);
@@ -59,18 +76,9 @@ TEST_CASE("the number of threads changes no pixel", "[rasterizer]") {
     const Image expected = draw(still.frame, still.view);
     for (const char* threads : {"0", "1", "2", "5"}) {
         CAPTURE(threads);
-        const auto picture = folder / threads;
         setenv("CLOTH_TEST_THREADS", threads, 1);
-        setenv("CLOTH_TEST_PICTURE", picture.c_str(), 1);
         unsetenv("LP_NUM_THREADS");  // this process's own choice
-        std::string program = "/proc/self/exe", tag = "[.still]", quiet = "--out=/dev/null";
-        std::array<char*, 4> arguments{program.data(), tag.data(), quiet.data(), nullptr};
-        pid_t child = 0;
-        REQUIRE(posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ) == 0);
-        int status = -1;
-        REQUIRE(waitpid(child, &status, 0) == child);
-        REQUIRE(status == 0);
-        CHECK(read_png(picture).rgba == expected.rgba);
+        CHECK(drawn_by_another_process("[.still]", folder / threads).rgba == expected.rgba);
     }
 }
 
@@ -78,16 +86,8 @@ TEST_CASE("EGL without a surface draws the same picture as OSMesa", "[context]")
     // One process keeps to one library, so EGL draws in another.
     const TemporaryFolder folder;
     const Still still;
-    const auto picture = folder / "egl";
-    setenv("CLOTH_TEST_PICTURE", picture.c_str(), 1);
-    std::string program = "/proc/self/exe", tag = "[.egl]", quiet = "--out=/dev/null";
-    std::array<char*, 4> arguments{program.data(), tag.data(), quiet.data(), nullptr};
-    pid_t child = 0;
-    REQUIRE(posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments.data(), environ) == 0);
-    int status = -1;
-    REQUIRE(waitpid(child, &status, 0) == child);
-    REQUIRE(status == 0);
-    const ImageDifference difference = compare(read_png(picture), draw(still.frame, still.view));
+    const Image by_egl = drawn_by_another_process("[.egl]", folder / "egl");
+    const ImageDifference difference = compare(by_egl, draw(still.frame, still.view));
     CHECK(difference.fraction_over_2 <= 5e-4);
     CHECK(difference.fraction_over_32 <= 1e-4);
     CHECK(difference.psnr >= 57);

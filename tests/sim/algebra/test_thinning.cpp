@@ -19,10 +19,6 @@ Mat3 random_block(std::mt19937& random) {
     return block;
 }
 
-double least_eigenvalue(const Eigen::MatrixXd& matrix) {
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues()[0];
-}
-
 }  // namespace
 
 TEST_CASE("a block is split into what its two diagonals answer it with", "[algebra]") {
@@ -43,7 +39,7 @@ TEST_CASE("a block is split into what its two diagonals answer it with", "[algeb
         CHECK((on_column - svd.matrixV() * S * svd.matrixV().transpose()).norm() < 1e-7 * size);
         Eigen::Matrix<double, 6, 6> answered;
         answered << on_row, -B, -B.transpose(), on_column;
-        CHECK(least_eigenvalue(answered) > -1e-7 * size);
+        CHECK(testing::smallest_eigenvalue(answered) > -1e-7 * size);
     }
 }
 
@@ -74,8 +70,8 @@ TEST_CASE("a thinned matrix has the blocks it keeps, and is nowhere below the wh
     for (int i = 0; i + 1 < n; ++i) CHECK(P.blocks[thin.slot(i, i + 1)] == A.blocks[whole.slot(i, i + 1)]);
     CHECK(P.blocks[thin.slot(0, n - 1)].isZero(0.0));
     const Eigen::MatrixXd a = testing::dense(whole, A), p = testing::dense(thin, P);
-    CHECK(least_eigenvalue(a) > 0.0);
-    CHECK(least_eigenvalue(p - a) > -1e-10);
+    CHECK(testing::smallest_eigenvalue(a) > 0.0);
+    CHECK(testing::smallest_eigenvalue(p - a) > -1e-10);
     CHECK((p - a).norm() > 1.0);
     // Nothing is left out of a matrix over the same pattern.
     Thinning same(whole, whole);
