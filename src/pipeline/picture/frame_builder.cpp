@@ -1,6 +1,8 @@
 #include "pipeline/picture/frame_builder.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -99,7 +101,7 @@ FrameBuilder::Rim FrameBuilder::make_rim(const Subdivision& fine, const Mesh& cl
     return rim;
 }
 
-void FrameBuilder::place_rim(Rim& rim, const Mesh& cloth, double thickness) const {
+void FrameBuilder::place_rim(Rim& rim, const Mesh& cloth, const std::vector<double>& half_at) const {
     for (const int half : {0, 1}) {
         Mesh& mesh = rim.halves[half];
         mesh.positions.clear();
@@ -110,19 +112,23 @@ void FrameBuilder::place_rim(Rim& rim, const Mesh& cloth, double thickness) cons
             const Vec3 along = vector_at(cloth.positions, v.after) - vector_at(cloth.positions, v.before);
             Vec3 out = (half == 0 ? 1.0 : -1.0) * along.cross(up);
             out = out.norm() > 0 ? Vec3(out.normalized()) : Vec3(Vec3::Zero());
+            const double thick = half_at[static_cast<std::size_t>(v.at)];
             for (const RimPoint& r : rim_profile) {
                 append(mesh.positions,
-                       vector_at(cloth.positions, v.at) + 0.5 * thickness * (r.out * out + r.up * up));
+                       vector_at(cloth.positions, v.at) + thick * (r.out * out + r.up * up));
                 append(mesh.normals, (r.normal_out * out + r.normal_up * up + 1e-9 * up).normalized());
                 for (int k = 0; k < 2; ++k)
                     mesh.coordinates.push_back(cloth.coordinates[2 * static_cast<std::size_t>(v.at) + k] +
-                                               static_cast<float>(0.5 * thickness * r.out * v.outward[k]));
+                                               static_cast<float>(thick * r.out * v.outward[k]));
             }
         }
     }
 }
 
-FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(file), model_(model) {
+FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model)
+    : file_(file),
+      model_(model),
+      clearance_(model, file.ground ? std::optional<double>(file.ground->height) : std::nullopt) {
     for (std::size_t c = 0; c < model.cloths.size(); ++c) {
         const ClothRange& cloth = model.cloths[c];
         const Triangles own = model.triangles.middleRows(cloth.first_triangle, cloth.triangle_count).array() -
@@ -166,25 +172,77 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model) : file_(fi
     }
 }
 
+std::vector<FrameBuilder::Sheet> FrameBuilder::sheets(const State& state) const {
+    // Of what is left between two surfaces a part stays, so that pictures in floats tell them apart.
+    constexpr double used = 0.9;
+    std::vector<Sheet> sheets;
+    std::vector<double> reach(model_.triangle_count(), 0.0);
+    bool far = false;
+    // Calls work(fine vertex, simulated triangle) for all corners of all parts of each triangle.
+    const auto for_each_corner = [&](std::size_t c, const auto& work) {
+        const Triangles& fine = subdivisions_[c].triangles;
+        const Eigen::Index parts = fine.rows() / model_.cloths[c].triangle_count;
+        for (Eigen::Index t = 0; t < fine.rows(); ++t)
+            for (int k = 0; k < 3; ++k)
+                work(fine(t, k), model_.cloths[c].first_triangle + static_cast<int>(t / parts));
+    };
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+        const ClothRange& cloth = model_.cloths[c];
+        const Eigen::Map<const Points> coarse(state.positions.data() + 3 * cloth.first_vertex,
+                                              cloth.vertex_count, 3);
+        const double half = 0.5 * file_.cloth_looks.at(c).hem;
+        Sheet sheet{subdivisions_[c].weights * coarse, subdivisions_[c].flat * coarse, {}, {}};
+        sheet.half.assign(static_cast<std::size_t>(sheet.flat.rows()), 0.0);
+        for (const Rim::Vertex& v : rims_[c].vertices) sheet.half[static_cast<std::size_t>(v.at)] = half;
+        for_each_corner(c, [&](int v, int t) {
+            const double way = (sheet.smooth.row(v) - sheet.flat.row(v)).norm() + sheet.half[v];
+            reach[t] = std::max(reach[t], way / used);
+            far = far || way > 0;
+        });
+        sheets.push_back(std::move(sheet));
+    }
+    Clearance::Room room;
+    if (far) room = clearance_.find(state, reach);
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+        Sheet& sheet = sheets[c];
+        std::vector<double> all(sheet.half.size(), std::numeric_limits<double>::infinity()), layers = all;
+        if (far)
+            for_each_corner(c, [&](int v, int t) {
+                all[v] = std::min(all[v], used * room.all[t]);
+                layers[v] = std::min(layers[v], used * room.layers[t]);
+            });
+        sheet.drawn = sheet.smooth;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const auto v = static_cast<Eigen::Index>(i);
+            const double way = (sheet.smooth.row(v) - sheet.flat.row(v)).norm();
+            const double taken = std::min(way, all[i]);
+            if (taken < way)
+                sheet.drawn.row(v) =
+                    sheet.flat.row(v) + (taken / way) * (sheet.smooth.row(v) - sheet.flat.row(v));
+            // A rim may stand into a collider: the sheet before it hides that.
+            sheet.half[i] = std::min(sheet.half[i], std::max(layers[i] - taken, 0.0));
+        }
+    }
+    return sheets;
+}
+
 render::Frame FrameBuilder::build(const State& state) {
     if (state.positions.size() != 3 * static_cast<Eigen::Index>(model_.vertex_count()) ||
         state.collider_on.size() != colliders_.size())
         throw std::invalid_argument("the state does not fit the scene");
     render::Frame frame;
     frame.ground = file_.ground;
+    const std::vector<Sheet> drawn = sheets(state);
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
-        const ClothRange& cloth = model_.cloths[c];
         Mesh& mesh = cloths_[c];
         const Subdivision& fine = subdivisions_[c];
-        Points coarse(cloth.vertex_count, 3);
-        for (int i = 0; i < cloth.vertex_count; ++i)
-            coarse.row(i) = state.positions.segment<3>(3 * (cloth.first_vertex + i)).transpose();
-        const Points positions = fine.weights * coarse;
+        const Points& positions = drawn[c].drawn;
+        const Points& smooth = drawn[c].smooth;
         // Weighted by area in doubles: a crossed product is twice a triangle's area long.
         Points normals = Points::Zero(positions.rows(), 3);
         for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t) {
-            const Vec3 p0 = positions.row(fine.triangles(t, 0)), p1 = positions.row(fine.triangles(t, 1)),
-                       p2 = positions.row(fine.triangles(t, 2));
+            const Vec3 p0 = smooth.row(fine.triangles(t, 0)), p1 = smooth.row(fine.triangles(t, 1)),
+                       p2 = smooth.row(fine.triangles(t, 2));
             const Vec3 weighted = (p1 - p0).cross(p2 - p0);
             for (int k = 0; k < 3; ++k) normals.row(fine.triangles(t, k)) += weighted.transpose();
         }
@@ -217,23 +275,23 @@ render::Frame FrameBuilder::build(const State& state) {
     }
     for (std::size_t c = 0; c < colliders_.size(); ++c) {
         const ColliderDesc& collider = model_.scene.colliders[c];
-        const Collider& drawn = colliders_[c];
+        const Collider& shown = colliders_[c];
         if (!collider.drawn || state.collider_on[c] == 0) continue;
         const render::Material& material = file_.collider_looks.at(c).material;
-        if (!frame.ground && drawn.ground) {
+        if (!frame.ground && shown.ground) {
             frame.ground = render::Ground{static_cast<float>(collider.center.y()), material.front};
             continue;
         }
-        const Mesh& mesh = drawn.mesh;
+        const Mesh& mesh = shown.mesh;
         frame.surfaces.push_back({mesh.positions, mesh.normals, mesh.triangles, material, false});
-        if (!drawn.endless) continue;
+        if (!shown.endless) continue;
         frame.surfaces.back().casts_shadow = false;  // its metres would take all of the shadow map
-        if (drawn.floor) frame.floor_color = material.front;
+        if (shown.floor) frame.floor_color = material.front;
     }
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
         const Look& look = file_.cloth_looks.at(c);
         if (rims_[c].vertices.empty()) continue;
-        place_rim(rims_[c], cloths_[c], look.hem);
+        place_rim(rims_[c], cloths_[c], drawn[c].half);
         for (const int half : {0, 1}) {
             const Mesh& mesh = rims_[c].halves[half];
             render::Material material = look.material;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/picture/clearance.h"
 #include "pipeline/picture/subdivision.h"
 #include "pipeline/scene_file/scene_file.h"
 #include "render/frame.h"
@@ -18,7 +19,8 @@ class FrameBuilder {
   public:
     FrameBuilder(const SceneFile& file, const Model& model);
     /// Cloth, subdivided as its look says, with smooth area-weighted normals, colliders that are on, then the
-    /// cloths' rims; ground. Valid until the next call.
+    /// cloths' rims; ground. The smooth surface and the rims keep so near to the simulated triangles that
+    /// they pass through nothing that those do not. Valid until the next call.
     render::Frame build(const State& state);
     /// How the surface of a cloth, the frame's surface of that index, follows from the simulated vertices.
     const Subdivision& subdivision(std::size_t cloth) const { return subdivisions_.at(cloth); }
@@ -39,7 +41,16 @@ class FrameBuilder {
         std::array<Mesh, 2> halves;
     };
     Rim make_rim(const Subdivision& fine, const Mesh& cloth) const;
-    void place_rim(Rim& rim, const Mesh& cloth, double thickness) const;
+    /// `half`: of the thickness, at each vertex of the subdivided cloth [m].
+    void place_rim(Rim& rim, const Mesh& cloth, const std::vector<double>& half) const;
+
+    /// Where a cloth is drawn, and how thick its rim is there.
+    struct Sheet {
+        Points smooth;             ///< by subdivision, and its normals' source
+        Points flat, drawn;        ///< on the simulated triangles; between the two
+        std::vector<double> half;  ///< of the rim's thickness, one per vertex [m]
+    };
+    std::vector<Sheet> sheets(const State& state) const;
 
     struct Collider {
         Mesh mesh;
@@ -61,6 +72,7 @@ class FrameBuilder {
     std::vector<Moving> moving_;
     std::vector<Rim> rims_;                  ///< one per cloth
     std::vector<Subdivision> subdivisions_;  ///< one per cloth
+    Clearance clearance_;
 };
 
 }  // namespace cloth::pipeline

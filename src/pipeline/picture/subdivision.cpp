@@ -49,8 +49,10 @@ Subdivision subdivide_once(const Points& rest, const Triangles& triangles) {
     }
 
     std::vector<std::vector<int>> neighbours(n), rim(n);
-    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<Eigen::Triplet<double>> entries, flat;
+    for (int v = 0; v < n; ++v) flat.emplace_back(v, v, 1.0);
     for (const auto& [ends, e] : edges) {
+        for (const int end : ends) flat.emplace_back(e.middle, end, 0.5);
         for (int k = 0; k < 2; ++k) neighbours[ends[k]].push_back(ends[1 - k]);
         const bool on_rim = e.opposite[1] < 0;
         for (int k = 0; k < 2; ++k) {
@@ -78,17 +80,21 @@ Subdivision subdivide_once(const Points& rest, const Triangles& triangles) {
     }
     fine.weights.resize(count, n);
     fine.weights.setFromTriplets(entries.begin(), entries.end());
+    fine.flat.resize(count, n);
+    fine.flat.setFromTriplets(flat.begin(), flat.end());
     return fine;
 }
 
 }  // namespace
 
 Subdivision subdivide(const Points& rest, const Triangles& triangles, int steps) {
-    Subdivision result{Weights(rest.rows(), rest.rows()), triangles};
-    result.weights.setIdentity();
+    Weights identity(rest.rows(), rest.rows());
+    identity.setIdentity();
+    Subdivision result{identity, identity, triangles};
     for (int k = 0; k < steps; ++k) {
         Subdivision next = subdivide_once(result.weights * rest, result.triangles);
         next.weights = (next.weights * result.weights).eval();
+        next.flat = (next.flat * result.flat).eval();
         result = std::move(next);
     }
     return result;

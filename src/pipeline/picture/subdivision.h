@@ -11,8 +11,10 @@ namespace cloth::pipeline {
 
 struct Subdivision {
     Eigen::SparseMatrix<double, Eigen::RowMajor>
-        weights;          ///< fine positions (n', 3) = weights · coarse (n, 3)
-    Triangles triangles;  ///< of the fine surface, same orientation
+        weights;  ///< fine positions (n', 3) = weights · coarse (n, 3)
+    Eigen::SparseMatrix<double, Eigen::RowMajor>
+        flat;             ///< the same points where they lie on the coarse triangles
+    Triangles triangles;  ///< of the fine surface, same orientation: 4^steps of each coarse one in a row
 };
 
 /// `steps` times over: each triangle becomes four. A rim vertex where the rest shape's rim turns by more than
