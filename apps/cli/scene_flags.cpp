@@ -52,6 +52,10 @@ void KeyFlags::add_frames(Flags& flags, const std::string& value, const std::str
     flags.text({"--frames", value, help}, frames_);
 }
 
+void KeyFlags::add_preview(Flags& flags) {
+    flags.yes("--preview", preview_, "Short and small: output.preview_frames frames of 480x270");
+}
+
 void KeyFlags::add_size(Flags& flags) {
     forward(flags, {"--size", "WxH", "Size of the pictures"}, "output.size", array<'x'>);
 }
@@ -97,6 +101,12 @@ Overrides KeyFlags::redraw_overrides() const {
 
 pipeline::SceneFile KeyFlags::load(const std::string& name_or_path) const {
     Overrides list = overrides();
+    if (preview_) {
+        const pipeline::OutputDesc asked = pipeline::load_scene(name_or_path, list).output;
+        const int frames = std::min(asked.preview_frames, asked.frames);
+        list.insert(list.begin(), {{fmt::format("output.frames={}", frames), "--preview"},
+                                   {"output.size=[480, 270]", "--preview"}});
+    }
     if (!frames_.empty()) list.push_back({"output.frames=" + frames_, "--frames " + frames_});
     if (fps_.empty()) return pipeline::load_scene(name_or_path, list);
     const bool own_rate = pipeline::load_scene(name_or_path, list).output.playback_rate.has_value();
@@ -127,6 +137,7 @@ void SceneFlags::add(Flags& flags) {
     keys.add_frames(flags, "N", "Number of frames; frame 0 is the start pose");
     flags.text({"--out", "DIR", "Folder of the run (default: out/NAME)"}, out);
     keys.add_size(flags);
+    keys.add_preview(flags);
     keys.add_fps(flags);
     keys.add_set(flags);
 }

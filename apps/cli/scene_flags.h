@@ -18,6 +18,7 @@ class KeyFlags {
   public:
     void add_set(Flags& flags);                                                        ///< --set KEY=VALUE
     void add_frames(Flags& flags, const std::string& value, const std::string& help);  ///< --frames
+    void add_preview(Flags& flags);                                                    ///< --preview
     void add_size(Flags& flags);                                                       ///< --size WxH
     void add_fps(Flags& flags);                                                        ///< --fps F
     void add_annotation(Flags& flags);  ///< --caption, --shade, …: what is drawn over the pictures
@@ -50,7 +51,7 @@ class KeyFlags {
     std::vector<std::string> set_;
     std::deque<Forwarded> forwarded_;  // stay where they are when more are added
     std::string frames_, fps_;
-    bool caption_ = false, wireframe_ = false;
+    bool caption_ = false, wireframe_ = false, preview_ = false;
 };
 
 /// What a verb that simulates is asked: a scene, its keys, and a folder.

@@ -130,6 +130,7 @@ struct PixelSize {
 struct OutputDesc {
     PixelSize size{1280, 720};            ///< of the pictures
     int frames = 300;                     ///< when the command line does not say
+    int preview_frames = 60;              ///< when --preview asks for a short run
     std::optional<double> playback_rate;  ///< frames per second of the movie; default: simulation frame rate
     int quality = 18;                     ///< H.264 constant rate factor, 0 (lossless) … 51
 };

@@ -146,6 +146,7 @@ template <class V>
 void describe(V& v, OutputDesc& o) {
     v("size", o.size, "pixel", range(16, 8192), "of pictures and movie");
     v("frames", o.frames, "", range(1, most_frames), "when the command line does not say");
+    v("preview_frames", o.preview_frames, "", range(1, most_frames), "frames of --preview, at most `frames`");
     v("playback_rate", o.playback_rate, "1/s", range(0.01, 1000.0),
       "frames per second of the movie; default: frame_rate");
     v("quality", o.quality, "", range(0, 51), "H.264 constant rate factor; 0: lossless");
