@@ -48,6 +48,10 @@ void Simulation::restore(const State& state) {
     impl_->state = state;
 }
 
+void Simulation::stop_on(const std::atomic<bool>* request) {
+    impl_->workspace.newton.stop = request;
+}
+
 StepReport Simulation::step() {
     return impl_->arena.execute([&] { return advance(impl_->model, impl_->state, impl_->workspace); });
 }

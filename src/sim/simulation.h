@@ -1,6 +1,7 @@
 #pragma once
 // The public face of the simulation library.
 
+#include <atomic>
 #include <memory>
 
 #include "sim/algebra/types.h"
@@ -25,9 +26,13 @@ class Simulation {
     /// Continues from `state`; throws std::invalid_argument where its sizes do not fit the model.
     void restore(const State& state);
 
+    /// Looked at before every Newton iteration: where it is true the step is undone, and its report says
+    /// `stopped`. States do not depend on it. nullptr: nobody stops.
+    void stop_on(const std::atomic<bool>* request);
+
     /// One time step.
     StepReport step();
-    /// Steps to the next frame; stops early where a step did not converge.
+    /// Steps to the next frame; stops early where a step did not converge or was stopped.
     FrameReport advance_frame();
 
   private:

@@ -28,6 +28,7 @@ bool step_once(Step& step) {
 
 /// One step of any length, in two halves where it does not converge.
 bool step_by(const Model& model, State& state, double dt, int halvings, Workspace& w, StepReport& report) {
+    if (w.newton.stopping()) return false;
     const std::vector<Pin> pins = pins_of_step(model.pin_groups, state.time, state.time + dt);
     w.leave_out(pins);
     StepReport attempt;
@@ -37,7 +38,7 @@ bool step_by(const Model& model, State& state, double dt, int halvings, Workspac
         state.time += dt;
         return true;
     }
-    if (halvings == 0) {
+    if (halvings == 0 || w.newton.stopping()) {
         merge(report, attempt);
         return false;
     }
@@ -82,6 +83,7 @@ StepReport advance(const Model& model, State& state, Workspace& w) {
     const State before = state;
     report.converged = step_by(model, state, model.time_step, model.scene.simulation.retries, w, report);
     if (!report.converged) {
+        report.stopped = w.newton.stopping();
         state = before;
         return report;
     }

@@ -12,7 +12,8 @@ namespace cloth {
 /// it (linearly_implicit_euler.h, implicit_euler.h, implicit_midpoint.h, tr_bdf2.h).
 ///
 /// A step that does not converge is undone and made in two halves, each of which may be halved in turn; past
-/// `retries` halvings the state is left as it was and the report says converged = false.
+/// `retries` halvings the state is left as it was and the report says converged = false. So is one that the
+/// workspace's stop request ends; its report says stopped = true as well.
 ///
 /// With contact = "barrier" a step that starts with an overlap (the first, or one before which a collider was
 /// switched) throws OverlapError.

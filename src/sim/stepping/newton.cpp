@@ -42,7 +42,7 @@ class Minimization {
         bool converged = rule_.converged(norm);
         const int most = p_.model.scene.simulation.newton_iterations;
         for (int k = 0; !converged && k < most; ++k) {
-            if (!find_direction(x, norm)) break;
+            if (w_.stopping() || !find_direction(x, norm)) break;
             ++report_.iterations;
             const double way = w_.direction.cwiseAbs().maxCoeff();
             converged = rule_.lost_in_rounding(norm, stiffness(), way, extent);
@@ -191,6 +191,7 @@ class Minimization {
         if (place_at_once(x)) return true;
         constexpr int most_placements = 60;
         for (int k = 0; k < most_placements; ++k) {
+            if (w_.stopping()) return false;
             ++report_.placements;
             gradient(x);
             if (barrier_) {

@@ -14,6 +14,7 @@
 //    always projecting costs the quadratic convergence. Each step is shortened to what continuous collision
 //    detection says is free, then by Armijo's rule, until the StoppingRule holds.
 
+#include <atomic>
 #include <vector>
 
 #include "sim/model.h"
@@ -63,6 +64,9 @@ struct NewtonWorkspace {
     BlockMatrix exact, projected;  ///< what `system` is mixed of where the exact one is indefinite
     bool indefinite = false;       ///< it was, when last looked at
     VecX gradient, rhs, direction, product, residual, momentum, trial, start;
+    const std::atomic<bool>* stop = nullptr;  ///< looked at before every iteration; null: nobody stops
+
+    bool stopping() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
 };
 
 /// Takes x from allowed positions to the minimum. Where the report says that it did not converge, x is of no

@@ -50,6 +50,7 @@ struct ContactTimes {
 /// What one step did, or one solve of it. All begin at what changes nothing when merged.
 struct StepReport {
     bool converged = true;         ///< false: not even in halved steps; the state is that of the step's start
+    bool stopped = false;          ///< it did not converge because it was asked to stop
     int iterations = 0;            ///< Newton's; of the linearly implicit rule: one a step
     double residual = 0.0;         ///< |∇Φ| / |∇Φ at the step's start| reached (newton.h)
     int retries = 0;               ///< steps that did not converge and were halved
@@ -104,6 +105,7 @@ inline void merge(StepReport& whole, const StepReport& part) {
         whole.*member = rule(whole.*member, part.*member);
     });
     merge(whole.contact_times, part.contact_times);
+    whole.stopped = whole.stopped || part.stopped;
     if (part.worst_vertex) whole.worst_vertex = part.worst_vertex;
     if (part.non_finite_vertex) whole.non_finite_vertex = part.non_finite_vertex;
 }
