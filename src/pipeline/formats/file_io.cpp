@@ -1,9 +1,8 @@
 #include "pipeline/formats/file_io.h"
 
 #include <stdexcept>
-#include <system_error>
+#include <utility>
 
-#include "base/whole_file.h"
 #include "pipeline/formats/error.h"
 
 namespace cloth::pipeline {
@@ -38,21 +37,16 @@ std::string extension_of(const fs::path& path) {
     return extension;
 }
 
-FileSet::~FileSet() {
-    for (const fs::path& path : unfinished_) discard_part(path);
-}
-
 void FileSet::write(const fs::path& path, std::string_view bytes) {
-    // Told of now, not when the files before it have their names.
-    std::error_code ignored;
-    if (fs::is_directory(path, ignored))
-        throw Error(ExitCode::other, "cannot write " + path.string() + ": Is a directory");
-    told([&] { write_part(path, bytes); });
-    unfinished_.push_back(path);
+    told([&] {
+        PartFile file(path);
+        file.write(bytes);
+        unfinished_.push_back(std::move(file));
+    });
 }
 
 void FileSet::finish() {
-    for (const fs::path& path : unfinished_) told([&] { finish_part(path); });
+    for (PartFile& file : unfinished_) told([&] { file.finish(); });
     unfinished_.clear();
 }
 

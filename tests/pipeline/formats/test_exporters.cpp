@@ -187,7 +187,8 @@ TEST_CASE("files of a set have their names once all are written", "[file_io]") {
         FileSet files;
         files.write(folder / "a", "1");
         files.write(folder / "b", "2");
-        CHECK(files_in(folder) == std::vector<std::string>{"a.part", "b.part"});
+        for (const std::string& name : files_in(folder)) CHECK_THAT(name, Catch::EndsWith(".part"));
+        CHECK(files_in(folder).size() == 2);
         files.finish();
         CHECK(files_in(folder) == std::vector<std::string>{"a", "b"});
         files.write(folder / "a", "3");
