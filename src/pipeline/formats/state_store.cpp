@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <bit>
 #include <cstring>
+#include <memory>
+#include <new>
 #include <string_view>
 #include <type_traits>
 
@@ -120,11 +122,21 @@ std::string unpack(std::string_view magic, const fs::path& path) {
     std::memcpy(&stored, file.data() + magic.size(), sizeof stored);
     const std::string_view body = std::string_view(file).substr(head);
     if (stored != XXH3_64bits(body.data(), body.size())) fail("damaged or cut short (its checksum is wrong)");
-    const unsigned long long size = ZSTD_getFrameContentSize(body.data(), body.size());
-    if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) fail("damaged");
-    std::string payload(static_cast<std::size_t>(size), '\0');
-    const std::size_t got = ZSTD_decompress(payload.data(), payload.size(), body.data(), body.size());
-    if (ZSTD_isError(got) || got != payload.size()) fail("damaged");
+    // The size that a frame claims is not believed before its bytes are there.
+    const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
+                                                                            &ZSTD_freeDStream);
+    if (!stream) throw std::bad_alloc();
+    ZSTD_inBuffer in{body.data(), body.size(), 0};
+    std::string payload, chunk(ZSTD_DStreamOutSize(), '\0');
+    std::size_t left = 1;
+    while (left != 0) {
+        ZSTD_outBuffer out{chunk.data(), chunk.size(), 0};
+        left = ZSTD_decompressStream(stream.get(), &out, &in);
+        if (ZSTD_isError(left)) fail("damaged");
+        payload.append(chunk, 0, out.pos);
+        if (left != 0 && in.pos == in.size && out.pos < out.size) fail("damaged");
+    }
+    if (in.pos != in.size) fail("damaged");
     return payload;
 }
 
@@ -206,8 +218,8 @@ State read_state(const fs::path& path) {
         }
         in.doubles(sized(state.rest_folds));
     });
-    if (state.positions.size() != state.velocities.size() || state.positions.size() % 3 != 0)
-        throw Error(ExitCode::other, path.string() + ": damaged (positions and velocities do not match)");
+    if (state.frame < 0 || state.positions.size() != state.velocities.size() || state.positions.size() % 3 != 0)
+        throw Error(ExitCode::other, path.string() + ": damaged (its numbers do not belong together)");
     return state;
 }
 

@@ -8,17 +8,20 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "pipeline/formats/build_info.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/formats/folder_lock.h"
 #include "pipeline/formats/state_store.h"
 #include "pipeline/golden/golden_page.h"
 #include "pipeline/picture/camera.h"
 #include "pipeline/picture/frame_builder.h"
-#include "pipeline/run/run.h"
+#include "pipeline/run/kept_run.h"
+#include "pipeline/scene_file/picture_schema.h"
 #include "render/raster/rasterizer.h"
 #include "sim/simulation.h"
 
@@ -110,12 +113,38 @@ struct GoldenFacts {
 
 GoldenFacts read_facts(const fs::path& folder) {
     const fs::path path = folder / "golden.json";
-    const std::string text = read_file(path);
+    const nlohmann::json json = nlohmann::json::parse(read_file(path), nullptr, false);
     try {
-        const auto json = nlohmann::json::parse(text);
-        return {json.at("build"), json.at("renderer"), json.at("frames")};
-    } catch (const nlohmann::json::exception&) {
-        throw Error(ExitCode::golden_mismatch, path.string() + ": damaged");
+        GoldenFacts facts{json.at("build"), json.at("renderer"), json.at("frames")};
+        for (const std::int64_t frame : facts.frames)
+            if (frame < 0 || frame >= most_frames) throw std::out_of_range("frames");
+        return facts;
+    } catch (const std::exception&) {
+        throw Error(ExitCode::golden_mismatch,
+                    path.string() + ": damaged: it must tell of build, renderer and frames");
+    }
+}
+
+void write_facts(const fs::path& folder, const GoldenResult& result,
+                 const std::vector<std::int64_t>& frames) {
+    const nlohmann::ordered_json facts = {{"build", result.actual_build},
+                                          {"renderer", result.actual_renderer},
+                                          {"size_pixel", {golden_width, golden_height}},
+                                          {"state_tolerance_m", result.state_tolerance},
+                                          {"frames", frames}};
+    write_file(folder / "golden.json", facts.dump(2) + "\n");
+}
+
+/// Goldens are written into a new or an empty folder, or over goldens.
+void require_golden_folder(const fs::path& folder) {
+    std::error_code failure;
+    if (fs::exists(folder / "golden.json", failure)) {
+        read_facts(folder);
+    } else if (fs::exists(folder, failure) && !fs::is_empty(folder, failure)) {
+        throw Error(ExitCode::usage,
+                    fmt::format("--golden: {} holds no goldens (no golden.json) and is not empty; give another "
+                                "folder, or empty it",
+                                folder.string()));
     }
 }
 
@@ -172,7 +201,8 @@ struct Session {
         return rasterizer.draw(builder.build(state), file.view);
     }
     bool fits(const State& state) const {
-        return state.positions.size() == simulation.state().positions.size() &&
+        return state_fault(state).empty() &&
+               state.positions.size() == simulation.state().positions.size() &&
                state.collider_on.size() == simulation.state().collider_on.size();
     }
 
@@ -215,6 +245,7 @@ void conclude(GoldenResult& result) {
 
 GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
                             int threads, render::GlLibrary gl) {
+    require_place(out, scene_file);
     // Missing goldens are told of before any work is done.
     for (const std::int64_t frame : golden_frames(scene_file))
         for (const fs::path& path :
@@ -226,6 +257,10 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
                                         path.string(), bless_command(scene_file.name)));
         }
     const GoldenFacts facts = read_facts(golden);
+    if (facts.frames.empty())
+        throw Error(ExitCode::golden_mismatch,
+                    fmt::format("{}: the goldens in {} were not written to their end; make them with {}",
+                                scene_file.name, golden.string(), bless_command(scene_file.name)));
     Session session(scene_file, threads, gl);
     GoldenResult& result = session.result;
     result.golden_build = facts.build;
@@ -256,26 +291,27 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
 
 GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
                           int threads, render::GlLibrary gl) {
+    require_place(out, scene_file);
+    require_golden_folder(golden);
     Session session(scene_file, threads, gl);
     GoldenResult& result = session.result;
     const std::vector<State> states = simulate(session.simulation, result.scene, session.frames);
 
+    std::error_code failure;
     std::optional<GoldenFacts> before;
-    try {
+    if (fs::exists(golden / "golden.json", failure)) {
         before = read_facts(golden);
         result.golden_build = before->build;
         result.golden_renderer = before->renderer;
-    } catch (const Error&) {
-        // Nothing, or nothing readable, stood there: there is no comparison to make.
     }
-    std::error_code failure;
     fs::create_directories(golden, failure);
     if (failure)
         throw Error(ExitCode::other,
                     "cannot write to the folder " + golden.string() + ": " + failure.message());
 
+    const FolderLock lock(golden);
     // Until all is written anew the goldens count as missing, never as a mixture.
-    fs::remove(golden / "golden.json", failure);
+    write_facts(golden, result, {});
     std::string rows;
     for (std::size_t i = 0; i < states.size(); ++i) {
         const std::int64_t frame = session.frames[i];
@@ -295,12 +331,7 @@ GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, c
                 fs::remove(golden_state(golden, frame), failure);
                 fs::remove(golden_image(golden, frame), failure);
             }
-    const nlohmann::ordered_json facts = {{"build", result.actual_build},
-                                          {"renderer", result.actual_renderer},
-                                          {"size_pixel", {golden_width, golden_height}},
-                                          {"state_tolerance_m", result.state_tolerance},
-                                          {"frames", session.frames}};
-    write_file(golden / "golden.json", facts.dump(2) + "\n");
+    write_facts(golden, result, session.frames);
     conclude(result);
     result.report = write_page(result, rows, out);
     return std::move(result);

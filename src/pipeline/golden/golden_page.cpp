@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/run/run_folder.h"
 
 namespace cloth::pipeline {
 
@@ -110,7 +111,7 @@ std::filesystem::path write_page(const GoldenResult& result, const std::string& 
         fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
     write_file(path,
                fmt::format(
-                   "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+                   "<!DOCTYPE html>\n{8}\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
                    "<style>body{{font:15px sans-serif;margin:2em}}.row{{display:flex;gap:8px;flex-wrap:wrap}}"
                    "figure{{margin:0}}img{{image-rendering:pixelated}}pre{{background:#eee;padding:1em}}"
                    "</style></head><body>\n<h1>{0}</h1>\n<table>\n"
@@ -121,7 +122,7 @@ std::filesystem::path write_page(const GoldenResult& result, const std::string& 
                    "<pre>{6}</pre>\n{7}</body></html>\n",
                    escaped(title), escaped(result.golden_build), escaped(result.actual_build),
                    escaped(result.golden_renderer), escaped(result.actual_renderer),
-                   escaped(golden_table(result)), escaped(bless_command(result.scene)), rows));
+                   escaped(golden_table(result)), escaped(bless_command(result.scene)), rows, own_mark));
     return path;
 }
 

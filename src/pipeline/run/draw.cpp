@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "pipeline/formats/state_store.h"
 #include "pipeline/picture/picture.h"
 #include "pipeline/run/kept_run.h"
 
@@ -13,7 +12,7 @@ namespace cloth::pipeline {
 StagesResult draw_run(const DrawnRun& run, RunFacts facts, std::int64_t frames, bool movie,
                       const Stages::Produce& produce) {
     const SceneFile& file = run.file;
-    PictureMaker pictures(file, run.model, std::move(facts), run.rasterizer, state_reader(run.folder));
+    PictureMaker pictures(file, run.model, std::move(facts), run.rasterizer, state_reader(run.folder, run.model));
     std::optional<VideoWriter> writer;
     if (movie) {
         writer.emplace(run.folder.movie(file.name), file.view.width, file.view.height,
@@ -24,14 +23,14 @@ StagesResult draw_run(const DrawnRun& run, RunFacts facts, std::int64_t frames, 
             produce, [&](const State& state) { return pictures.draw(state); }, writer ? &*writer : nullptr);
 }
 
-Stages::Produce kept_states(const RunFolder& folder, std::vector<std::int64_t> frames) {
-    return [folder, frames = std::move(frames)](Stages& stages, StatesMade& made) {
+Stages::Produce kept_states(StateReader read, std::vector<std::int64_t> frames) {
+    return [read = std::move(read), frames = std::move(frames)](Stages& stages, StatesMade& made) {
         for (const std::int64_t frame : frames) {
             if (!stages.going_on()) return;
             std::shared_ptr<const State> state;
             {
                 const TimedScope watch(made.store);
-                state = std::make_shared<const State>(read_state(folder.state(frame)));
+                state = std::make_shared<const State>(read_kept(read, frame));
             }
             stages.deliver(std::move(state));
         }
@@ -53,7 +52,7 @@ double playback_rate(const SceneFile& file) {
 }
 
 VideoOptions video_options(const SceneFile& file, const RunOptions& options) {
-    return {playback_rate(file), file.output.quality, options.threads};
+    return {playback_rate(file), file.output.quality, options.threads, options.stop};
 }
 
 }  // namespace cloth::pipeline

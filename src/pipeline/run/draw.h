@@ -29,7 +29,7 @@ StagesResult draw_run(const DrawnRun& run, RunFacts facts, std::int64_t frames, 
                       const Stages::Produce& produce);
 
 /// Brings kept states to the stages.
-Stages::Produce kept_states(const RunFolder& folder, std::vector<std::int64_t> frames);
+Stages::Produce kept_states(StateReader read, std::vector<std::int64_t> frames);
 
 /// Before anything is made: names, sizes and rates.
 RunSummary planned(const SceneFile& file, std::int64_t frames);

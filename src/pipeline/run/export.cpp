@@ -14,18 +14,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void write_meshes(const RunFolder& folder, const std::vector<std::int64_t>& frames, Exporter& exporter,
+void write_meshes(const fs::path& out, const std::vector<std::int64_t>& frames, Exporter& exporter,
                   const RunOptions& options) {
-    const double frame_rate = load_run_scene(folder.root()).scene.simulation.frame_rate;
-    const Topology topology = read_topology(folder.topology());
+    const KeptRun run = open_run(out);
+    const double frame_rate = run.file.scene.simulation.frame_rate;
+    const Topology topology = read_topology(run.folder.topology());
+    const StateReader read = state_reader(run.folder, run.model);
     Progress progress{.frames = static_cast<std::int64_t>(frames.size())};
     exporter.begin(topology, frame_rate);
     for (const std::int64_t frame : frames) {
         if (options.stopping()) throw Error(ExitCode::interrupted, "interrupted: no mesh was written");
-        const State state = read_state(folder.state(frame));
-        if (state.positions.size() != topology.rest_positions.size())
-            throw Error(ExitCode::other,
-                        folder.state(frame).string() + ": does not fit " + folder.topology().string());
+        const State state = read_kept(read, frame);
         exporter.frame(frame, static_cast<double>(frame) / frame_rate,
                        Eigen::Map<const Points>(state.positions.data(), topology.rest_positions.rows(), 3));
         ++progress.simulated;
@@ -37,12 +36,11 @@ void write_meshes(const RunFolder& folder, const std::vector<std::int64_t>& fram
 }  // namespace
 
 void export_frame(const fs::path& out, std::int64_t frame, const ExportFormat& format, const fs::path& file) {
-    const RunFolder folder = RunFolder::open(out);
-    const auto kept = folder.kept_states();
+    const auto kept = RunFolder::open(out).kept_states();
     if (!std::binary_search(kept.begin(), kept.end(), frame))
         throw Error(ExitCode::usage, fmt::format("--frame {}: its state is not kept in {}; kept: {}", frame,
                                                  out.string(), span_text(kept)));
-    write_meshes(folder, {frame}, *format.make(file, FrameNames::as_given), {});
+    write_meshes(out, {frame}, *format.make(file, FrameNames::as_given), {});
 }
 
 void export_frames(const fs::path& out, const FrameSpan& span, const ExportFormat& format,
@@ -52,8 +50,7 @@ void export_frames(const fs::path& out, const FrameSpan& span, const ExportForma
         throw Error(ExitCode::usage,
                     fmt::format("--file {}: is a folder; give a name in it, as in {}", file.string(),
                                 (file / fmt::format("sheet{}", format.extension)).string()));
-    const RunFolder folder = RunFolder::open(out);
-    write_meshes(folder, kept_frames(folder, span), *format.make(file, FrameNames::numbered), options);
+    write_meshes(out, kept_frames(RunFolder::open(out), span), *format.make(file, FrameNames::numbered), options);
 }
 
 }  // namespace cloth::pipeline

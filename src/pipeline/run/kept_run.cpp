@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 
@@ -50,9 +53,57 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
     write_file(folder.scene(), file.resolved(kept));
 }
 
+/// Whether `path` lies in `folder`, by whatever name or link.
+bool lies_in(const fs::path& path, const fs::path& folder) {
+    std::error_code failure;
+    const fs::path whole = fs::weakly_canonical(path, failure), root = fs::weakly_canonical(folder, failure);
+    return std::mismatch(root.begin(), root.end(), whole.begin(), whole.end()).first == root.end();
+}
+
+/// Why a state is not one of the model's; empty: it is.
+std::string misfit(const State& state, const State& start) {
+    const auto differ = [](auto a, auto b, const char* what) {
+        return a == b ? std::string() : fmt::format("has {} {}, the scene {}", a, what, b);
+    };
+    for (const std::string& fault :
+         {differ(state.positions.size() / 3, start.positions.size() / 3, "vertices"),
+          differ(state.velocities.size() / 3, start.velocities.size() / 3, "velocities"),
+          differ(state.collider_on.size(), start.collider_on.size(), "colliders"),
+          differ(state.drags.size(), start.drags.size(), "drags"),
+          differ(state.rest_folds.size(), start.rest_folds.size(), "creased folds")})
+        if (!fault.empty()) return fault;
+    for (const DragState& drag : state.drags) {
+        if (drag.vertices.size() != drag.anchors.size()) return "holds vertices without anchors";
+        for (const int vertex : drag.vertices)
+            if (vertex < 0 || vertex >= start.positions.size() / 3)
+                return fmt::format("holds vertex {}, the scene has {}", vertex, start.positions.size() / 3);
+    }
+    if (!std::isfinite(state.time)) return "has a time that is no number";
+    return {};
+}
+
 }  // namespace
 
+void require_place(const fs::path& out, const SceneFile& file, const std::string& flag) {
+    require_own_folder(out, flag);
+    try {
+        [[maybe_unused]] const std::string text = nlohmann::json(file.name).dump();
+    } catch (const nlohmann::json::exception&) {
+        throw Error(ExitCode::invalid_scene, file.path.string() + ": its name is no UTF-8 text; rename it");
+    }
+    const auto require_outside = [&](const fs::path& read) {
+        if (!read.empty() && lies_in(read, out))
+            throw Error(ExitCode::usage,
+                        fmt::format("{} {}: {} is read from there; give another folder, whose files may be "
+                                    "replaced",
+                                    flag, out.string(), read.string()));
+    };
+    require_outside(file.path);
+    for (const auto& [key, name] : file.files) require_outside(name);
+}
+
 RunFolder start_run(const fs::path& out, const SceneFile& file, const Model& model) {
+    require_place(out, file);
     RunFolder folder = RunFolder::create(out);
     folder.clear();
     folder.write_manifest({file.name, file.output.frames, build_fingerprint()});
@@ -69,14 +120,19 @@ SceneFile load_run_scene(const fs::path& out, const Overrides& overrides) {
 }
 
 KeptRun open_run(const fs::path& out, const Overrides& overrides) {
+    RunFolder folder = RunFolder::open(out);
+    const Manifest manifest = folder.read_manifest();
+    if (manifest.format != state_format)
+        throw Error(ExitCode::other, fmt::format("{}: its states are of format {}, this program reads {}; "
+                                                 "simulate again",
+                                                 out.string(), manifest.format, state_format));
     SceneFile file = load_run_scene(out, overrides);
     Model model = build_model(file.scene);
-    RunFolder folder = RunFolder::open(out);
     if (!same_topology(read_topology(folder.topology()), model))
         throw Error(
             ExitCode::other,
-            folder.scene().string() + ": its cloth is not the one of the kept states; " + "simulate again");
-    return {std::move(folder), std::move(file), std::move(model)};
+            folder.scene().string() + ": its cloth is not the one of the kept states; simulate again");
+    return {std::move(folder), std::move(file), std::move(model), manifest.frames};
 }
 
 std::vector<std::int64_t> kept_frames(const RunFolder& folder, const std::optional<FrameSpan>& span) {
@@ -102,18 +158,73 @@ std::string span_text(const std::vector<std::int64_t>& frames) {
                : fmt::format("{} frames from {} to {}", frames.size(), frames.front(), frames.back());
 }
 
-StateReader state_reader(const RunFolder& folder) {
-    return [folder](std::int64_t frame) -> std::optional<State> {
+std::string state_fault(const State& state) {
+    constexpr double furthest = 1e9;  // [m]
+    if (const int vertex = first_non_finite_vertex(state); vertex >= 0)
+        return fmt::format("vertex {} is no longer finite", vertex);
+    for (Eigen::Index i = 0; i < state.positions.size(); ++i) {
+        if (std::abs(state.positions[i]) > furthest)
+            return fmt::format("vertex {} is more than {:g} m away", i / 3, furthest);
+    }
+    return {};
+}
+
+StateReader state_reader(const RunFolder& folder, const Model& model) {
+    return [folder, start = start_state(model)](std::int64_t frame) -> std::optional<State> {
+        const fs::path path = folder.state(frame);
         std::error_code ignored;
-        if (!fs::exists(folder.state(frame), ignored)) return std::nullopt;
-        return read_state(folder.state(frame));
+        if (!fs::exists(path, ignored)) return std::nullopt;
+        State state = read_state(path);
+        std::string fault = misfit(state, start);
+        if (fault.empty() && state.frame != frame) fault = fmt::format("is the state of frame {}", state.frame);
+        if (fault.empty()) fault = state_fault(state);
+        if (!fault.empty())
+            throw Error(ExitCode::other, fmt::format("{}: {}; simulate again", path.string(), fault));
+        return state;
     };
+}
+
+State read_kept(const StateReader& read, std::int64_t frame) {
+    std::optional<State> state = read(frame);
+    if (!state) throw Error(ExitCode::other, fmt::format("the state of frame {} is gone", frame));
+    return std::move(*state);
+}
+
+std::vector<std::int64_t> movie_frames(const KeptRun& run) {
+    const std::string out = run.folder.root().string();
+    const std::vector<std::int64_t> states = run.folder.kept_states(), images = run.folder.kept_images();
+    const auto gap = [](const std::vector<std::int64_t>& frames) {
+        std::int64_t next = 0;
+        while (std::cmp_less(next, frames.size()) && frames[static_cast<std::size_t>(next)] == next) ++next;
+        return next;
+    };
+    const std::int64_t first_missing = gap(states);
+    if (states.empty() || std::cmp_less(first_missing, states.size()))
+        throw Error(ExitCode::other,
+                    fmt::format("{}: the state of frame {} is missing: no movie; simulate again with "
+                                "render_cloth simulate --scene {} --out NEW_FOLDER",
+                                out, first_missing, run.folder.scene().string()));
+    if (std::cmp_greater(states.size(), run.frames))
+        throw Error(ExitCode::other, fmt::format("{}: has states of {} frames, its manifest tells of {}: no "
+                                                 "movie",
+                                                 out, states.size(), run.frames));
+    std::vector<std::int64_t> frames;
+    std::set_intersection(states.begin(), states.end(), images.begin(), images.end(),
+                          std::back_inserter(frames));
+    if (frames != states)
+        throw Error(ExitCode::other, fmt::format("{0}: has pictures of {1} of its {2} frames: no movie; draw "
+                                                 "the rest with render_cloth render --out {0}",
+                                                 out, frames.size(), states.size()));
+    if (images != states)
+        throw Error(ExitCode::other, fmt::format("{}: {} has no state: no movie; remove it",
+                                                 out, run.folder.image(images.back()).string()));
+    return frames;
 }
 
 RunFacts survey_run(const RunFolder& folder, const SceneFile& file, const Model& model,
                     const std::atomic<bool>* stop) {
-    return survey({folder.kept_states(), state_reader(folder), read_frame_reports(folder)}, file, model,
-                  stop);
+    return survey({folder.kept_states(), state_reader(folder, model), read_frame_reports(folder)}, file,
+                  model, stop);
 }
 
 }  // namespace cloth::pipeline

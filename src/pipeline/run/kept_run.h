@@ -15,7 +15,13 @@
 
 namespace cloth::pipeline {
 
+/// Throws Error(usage) where a run of `file` may not go to `out`: what is there is the user's
+/// (require_own_folder()), or the scene or a mesh or texture of it lies there; Error(invalid_scene) where its
+/// name cannot be written down.
+void require_place(const std::filesystem::path& out, const SceneFile& file, const std::string& flag = "--out");
+
 /// The folder `out` without what an earlier run made in it, with manifest, scene and topology of a new one.
+/// Throws as require_place() and RunFolder::create().
 RunFolder start_run(const std::filesystem::path& out, const SceneFile& file, const Model& model);
 
 /// The scene whose folder is `out`. Throws Error(other) where it holds no run.
@@ -26,6 +32,7 @@ struct KeptRun {
     RunFolder folder;
     SceneFile file;
     Model model;
+    std::int64_t frames;  ///< asked for when it was simulated
 };
 /// Throws Error(other) where there is none, or where its scene and states do not belong together.
 KeptRun open_run(const std::filesystem::path& out, const Overrides& overrides = {});
@@ -39,7 +46,20 @@ std::vector<std::int64_t> kept_frames(const RunFolder& folder, const std::option
 /// "none", "frame 3", "5 frames from 0 to 4".
 std::string span_text(const std::vector<std::int64_t>& frames);
 
-StateReader state_reader(const RunFolder& folder);
+/// Why `state` cannot be used: "vertex 12 is no longer finite", or "vertex 12 is more than 1e+09 m away"
+/// (what flies apart passes the range of pictures long before that of numbers). Empty for a good state.
+std::string state_fault(const State& state);
+
+/// Reads kept states: nothing for a frame that has none. Throws Error(other) for a file that is damaged,
+/// belongs to another frame or another scene, or has a state_fault().
+StateReader state_reader(const RunFolder& folder, const Model& model);
+/// A state that must be there.
+State read_kept(const StateReader& read, std::int64_t frame);
+
+/// The frames 0 … n-1 of a run's movie: all whose state is kept, which may be a run's beginning. Throws
+/// Error(other), with the command that helps, where a state or a picture is missing, so that no movie leaves
+/// out a frame or takes a picture of another run.
+std::vector<std::int64_t> movie_frames(const KeptRun& run);
 
 /// What the pictures of `file` have to know of the states and the report in `folder`. `stop` as in
 /// RunOptions.

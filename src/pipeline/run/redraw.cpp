@@ -17,20 +17,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Whether these are all frames of a run.
-bool complete(const std::vector<std::int64_t>& frames, std::int64_t run_frames) {
-    return !frames.empty() && std::cmp_equal(frames.size(), run_frames) && frames.back() == run_frames - 1;
-}
-
-/// All pictures of the run, in order, into its movie. Takes the pictures' size into `summary`.
-void encode_pictures(const KeptRun& run, const RunOptions& options, RunSummary& summary) {
+/// The pictures of the run, in order, into its movie. Takes their size into `summary`.
+void encode_pictures(const KeptRun& run, const std::vector<std::int64_t>& frames, const RunOptions& options,
+                     RunSummary& summary) {
     const TimedScope watch(summary.times.encode);
     std::optional<VideoWriter> movie;
-    for (const std::int64_t frame : run.folder.kept_images()) {
-        if (options.stopping()) {
-            summary.interrupted = true;
-            return;
-        }
+    for (const std::int64_t frame : frames) {
+        if (options.stopping()) throw Error(ExitCode::interrupted, "interrupted: no movie was made");
         const render::Image image = render::read_png(run.folder.image(frame));
         if (!movie) {
             movie.emplace(run.folder.movie(run.file.name), image.width, image.height,
@@ -56,43 +49,43 @@ void encode_pictures(const KeptRun& run, const RunOptions& options, RunSummary& 
 
 RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span, const Overrides& overrides,
                       const RunOptions& options) {
+    RunFolder::open(out);
+    const RunFolder locked = RunFolder::create(out);
     const KeptRun run = open_run(out, overrides);
     const std::vector<std::int64_t> frames = kept_frames(run.folder, span);
-    const std::int64_t run_frames = run.folder.read_manifest().frames;
     RunSummary summary = planned(run.file, static_cast<std::int64_t>(frames.size()));
-    if (options.movie) summary.encoder = ffmpeg_version();
+    if (options.movie) summary.encoder = ffmpeg_version(options.stop);
     render::Rasterizer rasterizer(options.threads, options.gl);
     summary.renderer = rasterizer.description();
     RunFacts facts = survey_run(run.folder, run.file, run.model, options.stop);
-    RunFolder::create(out);
 
-    // The whole run goes to the encoder while it is drawn; a part of it joins the pictures that are there.
-    const bool whole = complete(frames, run_frames);
-    const StagesResult drawn =
-        draw_run({run.folder, run.file, run.model, rasterizer, options}, std::move(facts), summary.frames,
-                 options.movie && whole, kept_states(run.folder, frames));
+    // Without a gap from the start, all goes to the encoder while it is drawn; a part joins the pictures that
+    // are there.
+    const bool whole =
+        frames == run.folder.kept_states() && std::cmp_equal(frames.size(), frames.back() + 1);
+    const StagesResult drawn = draw_run({run.folder, run.file, run.model, rasterizer, options},
+                                        std::move(facts), summary.frames, options.movie && whole,
+                                        kept_states(state_reader(run.folder, run.model), frames));
     if (drawn.failure) std::rethrow_exception(drawn.failure);
     add(summary, drawn, run.folder);
-    summary.interrupted = options.stopping() && summary.images < summary.frames;
-    if (options.movie && !whole && !summary.interrupted && complete(run.folder.kept_images(), run_frames))
-        encode_pictures(run, options, summary);
+    summary.interrupted = options.stopping() && (summary.images < summary.frames ||
+                                                 (options.movie && whole && summary.movie.empty()));
+    if (options.movie && !whole && !summary.interrupted) {
+        if (!span || run.folder.kept_images() == run.folder.kept_states())
+            encode_pictures(run, movie_frames(run), options, summary);
+    }
     amend_report(run.folder, summary);
     return summary;
 }
 
 RunSummary encode_run(const fs::path& out, const Overrides& overrides, const RunOptions& options) {
+    RunFolder::open(out);
+    const RunFolder locked = RunFolder::create(out);
     const KeptRun run = open_run(out, overrides);
-    const std::int64_t run_frames = run.folder.read_manifest().frames;
-    const auto images = run.folder.kept_images();
-    if (!complete(images, run_frames)) {
-        throw Error(ExitCode::other,
-                    fmt::format("{}: has pictures of {} of the run's {} frames: no movie; draw the rest with "
-                                "render_cloth render --out {}",
-                                out.string(), images.size(), run_frames, out.string()));
-    }
-    RunSummary summary = planned(run.file, run_frames);
-    summary.encoder = ffmpeg_version();
-    encode_pictures(run, options, summary);
+    const std::vector<std::int64_t> frames = movie_frames(run);
+    RunSummary summary = planned(run.file, static_cast<std::int64_t>(frames.size()));
+    summary.encoder = ffmpeg_version(options.stop);
+    encode_pictures(run, frames, options, summary);
     summary.times.wall = summary.times.encode;
     return summary;
 }

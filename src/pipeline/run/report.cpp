@@ -77,7 +77,8 @@ Json read_json(const RunFolder& folder) {
 }
 
 void write_json(const RunFolder& folder, const Json& json) {
-    write_file(folder.report(), json.dump(1) + "\n");
+    // What is no UTF-8 (a folder's name in an outcome) is replaced.
+    write_file(folder.report(), json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace

@@ -15,24 +15,20 @@
 
 namespace cloth::pipeline {
 
-/// Why `state` cannot be used: "vertex 12 is no longer finite", or "vertex 12 is more than 1e+09 m away"
-/// (what flies apart passes the range of pictures long before that of numbers). Empty for a good state.
-std::string state_fault(const State& state);
-
 /// Runs `file` for its output.frames frames into the folder `out`, in place of the run that it may hold, and
-/// leaves a report there. What can be refused is refused before anything there is touched: SceneError,
-/// Error(encoder) without ffmpeg. Throws Error(not_converged) at the first state with a fault, naming
+/// leaves a report there. What can be refused is refused before anything there is touched: a folder that is
+/// no place for it (require_place()), SceneError, Error(encoder) without ffmpeg. Throws Error(not_converged) at the first state with a fault, naming
 /// frame, vertex and last good frame, once the good frames are drawn; Error(encoder) where only the movie
 /// failed, once all is drawn.
 RunSummary run_scene(const SceneFile& file, const std::filesystem::path& out, const RunOptions& options);
 
-/// Draws the kept states of the run in `out`, and makes the movie where all pictures of the run are there in
-/// the end. `overrides` change the scene that is drawn, not the kept one. Throws Error(usage) for a span with
+/// Draws the kept states of the run in `out`, and makes the movie where the pictures of all of them are there
+/// in the end. Throws Error(other) where a state between them is missing. `overrides` change the scene that is drawn, not the kept one. Throws Error(usage) for a span with
 /// frames that have no state.
 RunSummary render_run(const std::filesystem::path& out, const std::optional<FrameSpan>& span,
                       const Overrides& overrides, const RunOptions& options);
 
-/// Makes the movie again from the kept pictures, which must be all of the run and of one size.
+/// Makes the movie again from the kept pictures (movie_frames()), which must be of one size.
 RunSummary encode_run(const std::filesystem::path& out, const Overrides& overrides,
                       const RunOptions& options);
 

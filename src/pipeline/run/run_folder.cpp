@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 #include <system_error>
 
+#include "base/whole_file.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/state_store.h"
+#include "pipeline/scene_file/picture_schema.h"
 
 namespace cloth::pipeline {
 
@@ -46,27 +49,106 @@ std::vector<std::int64_t> frames_in(const fs::path& folder, std::string_view ste
     return frames;
 }
 
+fs::path manifest_of(const fs::path& folder) {
+    return folder / "states" / "manifest.json";
+}
+
+bool is_marked(const fs::path& path) {
+    std::string head(own_mark.size() + 200, '\0');
+    std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
+    return head.find(own_mark) != std::string::npos;
+}
+
+/// What lies in a folder that no run has got to its manifest in, and is not this program's; empty: nothing.
+std::string foreign_file(const fs::path& folder) {
+    std::error_code failure;
+    fs::recursive_directory_iterator entry(folder, failure), end;
+    for (; !failure && entry != end; entry.increment(failure)) {
+        const fs::path& path = entry->path();
+        const std::string name = path.filename().string();
+        const bool regular = fs::symlink_status(path, failure).type() == fs::file_type::regular;
+        if (entry->is_directory(failure) && !entry->is_symlink(failure)) continue;
+        if (regular && (name == lock_name || target_of_part(name) == "manifest.json" || is_marked(path)))
+            continue;
+        return path.lexically_relative(folder).string();
+    }
+    return failure ? "what cannot be read: " + failure.message() : std::string();
+}
+
+/// A name that leads nowhere else.
+bool is_plain_name(const std::string& name) {
+    return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos &&
+           name.find('\0') == std::string::npos;
+}
+
+Manifest manifest_in(const fs::path& folder) {
+    const fs::path path = manifest_of(folder);
+    const auto damaged = [&](const char* what) -> Error {
+        return {ExitCode::other, path.string() + ": damaged: " + what};
+    };
+    const nlohmann::json json = nlohmann::json::parse(read_file(path), nullptr, false);
+    if (!json.is_object()) throw damaged("no JSON object");
+    for (const char* key : {"format", "scene", "frames", "build"})
+        if (!json.contains(key)) throw damaged("it lacks format, scene, frames or build");
+    if (!json["scene"].is_string() || !is_plain_name(json["scene"].get<std::string>()))
+        throw damaged("scene must be a scene's name");
+    if (!json["frames"].is_number_integer() || json["frames"] < 1 || json["frames"] > most_frames)
+        throw damaged(fmt::format("frames must be 1 … {}", most_frames).c_str());
+    if (!json["format"].is_number_integer() || json["format"] < 1 || json["format"] > 1000)
+        throw damaged("format must be a whole number");
+    if (!json["build"].is_string()) throw damaged("build must be a text");
+    return {json["scene"], json["frames"], json["build"], json["format"]};
+}
+
 }  // namespace
 
-RunFolder RunFolder::create(const fs::path& folder) {
+void require_own_folder(const fs::path& folder, const std::string& flag) {
     std::error_code failure;
-    if (fs::exists(folder, failure) && !fs::is_directory(folder, failure))
-        throw Error(ExitCode::usage, "--out " + folder.string() + ": is a file; give a folder");
-    for (const char* part : {"states", "frames"}) {
-        fs::create_directories(folder / part, failure);
-        if (failure)
+    const std::string place = flag + " " + folder.string();
+    const fs::file_status status = fs::status(folder, failure);
+    if (status.type() == fs::file_type::not_found) return;
+    if (fs::exists(status) && !fs::is_directory(status))
+        throw Error(ExitCode::usage, place + ": is a file; give a folder");
+    std::string damage;
+    if (fs::exists(manifest_of(folder), failure)) {
+        try {
+            manifest_in(folder);
+            return;
+        } catch (const Error& e) {
+            damage = fmt::format(" ({})", e.what());
+        }
+    }
+    if (const std::string foreign = foreign_file(folder); !foreign.empty())
+        throw Error(ExitCode::usage,
+                    fmt::format("{}: holds {}, and no run{}; give a new folder, an empty one, or a run's",
+                                place, foreign, damage));
+}
+
+RunFolder RunFolder::create(const fs::path& folder) {
+    require_own_folder(folder);
+    std::error_code failure;
+    const auto require = [&](bool done) {
+        if (!done && failure)
             throw Error(ExitCode::other,
                         "cannot write to the folder " + folder.string() + ": " + failure.message());
-    }
-    return RunFolder(folder);
+    };
+    require(fs::create_directories(folder, failure));
+    RunFolder run(folder);
+    run.lock_ = std::make_shared<const FolderLock>(folder);
+    require_own_folder(folder);  // it may have been filled since
+    for (const char* part : {"states", "frames"}) require(fs::create_directories(folder / part, failure));
+    return run;
 }
 
 RunFolder RunFolder::open(const fs::path& folder) {
     RunFolder run(folder);
     std::error_code failure;
-    if (!fs::is_regular_file(run.scene(), failure))
-        throw Error(ExitCode::other, folder.string() + ": holds no run (no scene.toml); make one with " +
-                                         "render_cloth simulate --scene NAME --out " + folder.string());
+    for (const fs::path& file : {run.scene(), manifest_of(folder)})
+        if (!fs::is_regular_file(file, failure))
+            throw Error(ExitCode::other,
+                        fmt::format("{0}: holds no run (no {1}); make one with render_cloth simulate --scene "
+                                    "NAME --out {0}",
+                                    folder.string(), file.lexically_relative(folder).string()));
     return run;
 }
 
@@ -83,17 +165,11 @@ void RunFolder::write_manifest(const Manifest& manifest) const {
                                          {"scene", manifest.scene},
                                          {"frames", manifest.frames},
                                          {"build", manifest.build}};
-    write_file(root_ / "states" / "manifest.json", json.dump(2) + "\n");
+    write_file(manifest_of(root_), json.dump(2) + "\n");
 }
 
 Manifest RunFolder::read_manifest() const {
-    const fs::path path = root_ / "states" / "manifest.json";
-    try {
-        const auto json = nlohmann::json::parse(read_file(path));
-        return {json.at("scene"), json.at("frames"), json.at("build")};
-    } catch (const nlohmann::json::exception&) {
-        throw Error(ExitCode::other, path.string() + ": damaged");
-    }
+    return manifest_in(root_);
 }
 
 std::vector<std::int64_t> RunFolder::kept_states() const {
@@ -105,35 +181,44 @@ std::vector<std::int64_t> RunFolder::kept_images() const {
 
 void RunFolder::clear() const {
     std::error_code failure;
-    // Without a manifest the folder is no run's: there is nothing of ours that names itself.
-    if (!fs::exists(root_ / "states" / "manifest.json", failure)) return;
-    std::vector<fs::path> ours = {scene(), report(), topology(), sheet(), overlap()};
-    try {
-        const std::string name = read_manifest().scene;
-        if (fs::path(name).filename() == name) {
-            ours.push_back(movie(name));
-            ours.push_back(movie(name).string() + ".part");
+    std::string movie_name;
+    if (fs::exists(manifest_of(root_), failure))
+        movie_name = movie(read_manifest().scene).filename().string();
+    struct Part {
+        fs::path folder;
+        std::vector<std::string> names;                                     ///< as they are
+        std::vector<std::pair<std::string_view, std::string_view>> series;  ///< stem and extension
+    };
+    // The scene goes first: without it there is nothing to be drawn again from what is left.
+    const Part parts[] = {
+        {root_, {"scene.toml", "report.json", "sheet.png", "overlap.png", movie_name}, {}},
+        {root_ / "states", {"topology.bin"}, {{"state", ".bin"}}},
+        {root_ / "frames", {}, {{"frame", ".png"}}},
+        {meshes(), {}, {{"rest", ".obj"}, {"pose", ".obj"}, {"collider", ".obj"}}},
+        {textures(), {}, {{"cloth", ".png"}}},
+    };
+    for (const Part& part : parts) {
+        const auto is_ours = [&](const std::string& name) {
+            if (name.empty()) return false;
+            return std::find(part.names.begin(), part.names.end(), name) != part.names.end() ||
+                   std::any_of(part.series.begin(), part.series.end(), [&](const auto& each) {
+                       return frame_of(name, each.first, each.second).has_value();
+                   });
+        };
+        std::vector<fs::path> ours;
+        for (const auto& entry : fs::directory_iterator(part.folder, failure)) {
+            const std::string name = entry.path().filename().string();
+            const std::string target = target_of_part(name);  // a killed run left it
+            if (is_ours(name) || is_ours(target) || target == "manifest.json") ours.push_back(entry.path());
         }
-    } catch (const Error&) {
-        // A damaged manifest leaves the movie standing; its name is unknown.
-    }
-    for (const std::int64_t frame : kept_states()) ours.push_back(state(frame));
-    for (const std::int64_t frame : kept_images()) ours.push_back(image(frame));
-    // What a killed run left behind.
-    for (const std::int64_t frame : frames_in(root_ / "states", "state", ".bin.part"))
-        ours.push_back(state(frame).string() + ".part");
-    for (const std::int64_t frame : frames_in(root_ / "frames", "frame", ".png.part"))
-        ours.push_back(image(frame).string() + ".part");
-    for (const char* stem : {"rest", "pose", "collider"})
-        for (const std::int64_t number : frames_in(meshes(), stem, ".obj"))
-            ours.push_back(meshes() / numbered(stem, number, ".obj"));
-    for (const std::int64_t cloth : frames_in(textures(), "cloth", ".png"))
-        ours.push_back(textures() / numbered("cloth", cloth, ".png"));
-    ours.push_back(root_ / "states" / "manifest.json");  // last: an interrupted clear can be repeated
-    for (const fs::path& file : ours) {
-        fs::remove(file, failure);
-        if (failure)
-            throw Error(ExitCode::other, "cannot remove " + file.string() + ": " + failure.message());
+        std::sort(ours.begin(), ours.end(), [&](const fs::path& a, const fs::path& b) {
+            return std::pair(a != scene(), a) < std::pair(b != scene(), b);
+        });
+        for (const fs::path& file : ours) {
+            if (!fs::is_directory(fs::symlink_status(file, failure))) fs::remove(file, failure);
+            if (failure)
+                throw Error(ExitCode::other, "cannot remove " + file.string() + ": " + failure.message());
+        }
     }
     fs::remove(meshes(), failure);  // fails, rightly, where something else lies in it
     fs::remove(textures(), failure);

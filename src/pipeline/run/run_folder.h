@@ -3,9 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
+
+#include "pipeline/formats/folder_lock.h"
 
 namespace cloth::pipeline {
 
@@ -14,13 +18,23 @@ struct Manifest {
     std::string scene;        ///< the scene's name
     std::int64_t frames = 0;  ///< frames asked for
     std::string build;        ///< fingerprint of the program that simulated
+    int format = 0;           ///< of the states, as state_format; written by write_manifest()
 };
 
-/// DIR/scene.toml, DIR/meshes/…, DIR/textures/…, DIR/states/state_000000.bin …, DIR/frames/frame_000000.png
+/// Stands in pages and plots, so that their folder is known for one of this program's.
+inline constexpr std::string_view own_mark = "<!-- made by render_cloth -->";
+
+/// Only a new or an empty folder, that of a run, or one that holds nothing but marked files is written into:
+/// what is there else is the user's. Throws Error(usage), naming `flag` and what lies there.
+void require_own_folder(const std::filesystem::path& folder, const std::string& flag = "--out");
+
+/// states/manifest.json is the first file of a run and stays until the next run's takes its place: a folder
+/// with it is a run's. DIR/scene.toml, DIR/meshes/…, DIR/textures/…, DIR/states/state_000000.bin …, DIR/frames/frame_000000.png
 /// …, DIR/NAME.mp4, DIR/report.json, DIR/sheet.png.
 class RunFolder {
   public:
-    /// Throws Error(usage) where `folder` is a file, Error(other) where it cannot be created or written.
+    /// For writing, and locked for as long as any copy lives. Throws Error(usage) as require_own_folder(),
+    /// Error(other) where it cannot be created or written, or another program writes there.
     static RunFolder create(const std::filesystem::path& folder);
     /// Throws Error(other) where it holds no run.
     static RunFolder open(const std::filesystem::path& folder);
@@ -39,18 +53,19 @@ class RunFolder {
     std::filesystem::path movie(const std::string& scene_name) const { return root_ / (scene_name + ".mp4"); }
 
     void write_manifest(const Manifest& manifest) const;
-    /// Throws Error(other) where it is missing or damaged.
+    /// Throws Error(other) where it is missing, or says what cannot be.
     Manifest read_manifest() const;
     /// Frames whose state is kept, sorted.
     std::vector<std::int64_t> kept_states() const;
     /// Frames whose picture is kept, sorted.
     std::vector<std::int64_t> kept_images() const;
-    /// Removes what an earlier run made, and nothing else.
+    /// Removes what an earlier run made but its manifest, and nothing else.
     void clear() const;
 
   private:
     explicit RunFolder(std::filesystem::path root) : root_(std::move(root)) {}
     std::filesystem::path root_;
+    std::shared_ptr<const FolderLock> lock_;
 };
 
 }  // namespace cloth::pipeline

@@ -22,7 +22,8 @@ struct RunOptions {
     render::GlLibrary gl = render::GlLibrary::automatic;  ///< what draws
     /// Called after each frame of each stage, by one thread at a time.
     std::function<void(const Progress&)> progress;
-    /// Looked at between frames: true ends the run, every finished frame kept.
+    /// Looked at between frames, within steps, and while FFmpeg is waited for: true ends the run, every
+    /// finished frame kept.
     const std::atomic<bool>* stop = nullptr;
 
     bool stopping() const { return stop != nullptr && stop->load(); }

@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "pipeline/formats/error.h"
-#include "pipeline/formats/state_store.h"
 #include "pipeline/formats/video.h"
 #include "pipeline/picture/annotation.h"
 #include "pipeline/picture/picture.h"
@@ -120,13 +119,14 @@ SheetSummary write_sheet(const fs::path& out, const fs::path& file, const SheetO
                                 "more than 32768 pixels; take fewer or smaller ones",
                                 count, run.file.view.width, run.file.view.height, columns));
     render::Rasterizer rasterizer(options.threads, options.gl);
+    const StateReader read = state_reader(run.folder, run.model);
     PictureMaker maker(run.file, run.model, survey_run(run.folder, run.file, run.model, options.stop),
-                       rasterizer, state_reader(run.folder));
+                       rasterizer, read);
     std::vector<render::Image> pictures;
     std::vector<std::string> texts;
     for (const std::int64_t frame : frames) {
         require_going_on(options);
-        const State state = read_state(run.folder.state(frame));
+        const State state = read_kept(read, frame);
         pictures.push_back(maker.draw(state, "", sheet.own_size));
         texts.push_back(fmt::format("frame {}   {:.3f} s", frame, state.time));
         tell(options, static_cast<std::int64_t>(pictures.size()), count);
@@ -148,7 +148,7 @@ SheetSummary write_sheet(const fs::path& out, const fs::path& file, const SheetO
 ComparisonSummary write_comparison(const std::array<fs::path, 2>& runs, const fs::path& movie,
                                    const std::array<std::string, 2>& labels, const Overrides& overrides,
                                    const RunOptions& options) {
-    ffmpeg_version();
+    ffmpeg_version(options.stop);
     std::array<KeptRun, 2> kept{open_run(runs[0], overrides), open_run(runs[1], overrides)};
     for (const int side : {0, 1}) {
         kept[side].file.view.width = kept[0].file.view.width;
@@ -168,9 +168,12 @@ ComparisonSummary write_comparison(const std::array<fs::path, 2>& runs, const fs
 
     render::Rasterizer rasterizer(options.threads, options.gl);
     std::array<std::unique_ptr<PictureMaker>, 2> makers;
-    for (const int side : {0, 1})
+    std::array<StateReader, 2> read;
+    for (const int side : {0, 1}) {
+        read[side] = state_reader(kept[side].folder, kept[side].model);
         makers[side] = std::make_unique<PictureMaker>(kept[side].file, kept[side].model, facts[side],
-                                                      rasterizer, state_reader(kept[side].folder));
+                                                      rasterizer, read[side]);
+    }
     ComparisonSummary summary;
     summary.frames = static_cast<std::int64_t>(times[0].size());
     const int width = kept[0].file.view.width, rule = std::max(2, width / 320);
@@ -178,14 +181,14 @@ ComparisonSummary write_comparison(const std::array<fs::path, 2>& runs, const fs
     summary.height = kept[0].file.view.height;
     summary.playback_rate = playback_rate(kept[0].file);
     VideoWriter writer(movie, summary.width, summary.height,
-                       {summary.playback_rate, kept[0].file.output.quality, options.threads});
+                       {summary.playback_rate, kept[0].file.output.quality, options.threads, options.stop});
     std::int64_t done = 0;
     for (const auto& [time, frame] : times[0]) {
         require_going_on(options);
         render::Image both = render::plain_image(summary.width, summary.height, text_ink);
         for (const int side : {0, 1}) {
             const std::int64_t shown = side == 0 ? frame : nearest_frame(times[1], time);
-            const State state = read_state(kept[side].folder.state(shown));
+            const State state = read_kept(read[side], shown);
             render::paste(both, makers[side]->draw(state, labels[side]), side * (width + rule), 0);
         }
         writer.add(both);

@@ -89,6 +89,7 @@ void simulate_frames(Simulation& simulation, const SceneFile& file, const RunFol
             const TimedScope watch(made.simulate);
             record.report = simulation.advance_frame();
         }
+        if (record.report.stopped) return;
         record.report.frame = frame;
         if (const std::string fault = frame_fault(simulation, record.report, folder.root()); !fault.empty()) {
             stages.fail_later(
@@ -132,7 +133,8 @@ std::exception_ptr make_frames(Simulation& simulation, const SceneFile& file, co
     const std::exception_ptr drawing = failure_of([&] {
         write_report(folder, file, model, summary, "simulated");  // curves are read from it
         const auto failure =
-            draw(survey_run(folder, file, model, options.stop), kept_states(folder, folder.kept_states()));
+            draw(survey_run(folder, file, model, options.stop),
+                 kept_states(state_reader(folder, model), folder.kept_states()));
         if (failure) std::rethrow_exception(failure);
     });
     return simulated.failure ? simulated.failure : drawing;
@@ -156,23 +158,14 @@ std::exception_ptr make_frames(Simulation& simulation, const SceneFile& file, co
 
 }  // namespace
 
-std::string state_fault(const State& state) {
-    constexpr double furthest = 1e9;  // [m]
-    if (const int vertex = first_non_finite_vertex(state); vertex >= 0)
-        return fmt::format("vertex {} is no longer finite", vertex);
-    for (Eigen::Index i = 0; i < state.positions.size(); ++i) {
-        if (std::abs(state.positions[i]) > furthest)
-            return fmt::format("vertex {} is more than {:g} m away", i / 3, furthest);
-    }
-    return {};
-}
-
 RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOptions& options) {
     // What can be refused is refused first.
     if (file.output.frames < 1) throw Error(ExitCode::usage, "a run needs at least one frame");
+    require_place(out, file);
     RunSummary summary = planned(file, file.output.frames);
-    if (options.pictures && options.movie) summary.encoder = ffmpeg_version();
+    if (options.pictures && options.movie) summary.encoder = ffmpeg_version(options.stop);
     Simulation simulation(file.scene, options.threads);
+    simulation.stop_on(options.stop);
     std::optional<render::Rasterizer> rasterizer;
     if (options.pictures) {
         rasterizer.emplace(options.threads, options.gl);
@@ -187,7 +180,8 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
         failure_of([&] { failure = make_frames(simulation, file, folder, rasterizer, options, summary); });
     if (thrown) failure = thrown;
     summary.interrupted = options.stopping() && (summary.states < summary.frames ||
-                                                 (options.pictures && summary.images < summary.frames));
+                                                 (options.pictures && summary.images < summary.frames) ||
+                                                 (options.movie && summary.movie.empty()));
 
     const std::string outcome = failure ? line_of(failure) : summary.interrupted ? "interrupted" : "complete";
     const std::exception_ptr unwritten =

@@ -1,7 +1,11 @@
 #include "pipeline/run/stages.h"
 
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
+
+#include "pipeline/formats/error.h"
 
 namespace cloth::pipeline {
 
@@ -32,11 +36,18 @@ StagesResult Stages::run(const Produce& produce, const Draw& draw, VideoWriter* 
     const Stopwatch wall;
     StagesResult result;
     drawing_ = static_cast<bool>(draw);
-    std::thread producer([&] { result.states = produce_states(produce); });
-    std::thread png_writer, encoder;
-    if (draw) png_writer = std::thread([&] { result.written = write_pictures(); });
-    if (movie != nullptr) encoder = std::thread([&] { result.encoded = feed(*movie); });
-    if (draw) result.drawn = draw_states(draw, movie != nullptr);
+    std::thread producer, png_writer, encoder;
+    try {
+        if (draw) png_writer = std::thread([&] { result.written = write_pictures(); });
+        if (movie != nullptr) encoder = std::thread([&] { result.encoded = feed(*movie); });
+        producer = std::thread([&] { result.states = produce_states(produce); });
+        if (draw) result.drawn = draw_states(draw, movie != nullptr);
+    } catch (const std::system_error& e) {
+        fail_now(std::make_exception_ptr(
+            Error(ExitCode::other, std::string("cannot start a thread: ") + e.code().message())));
+        if (png_writer.joinable()) to_png_.push({});
+        if (encoder.joinable()) to_movie_.push({});
+    }
     for (std::thread* thread : {&producer, &png_writer, &encoder}) {
         if (thread->joinable()) thread->join();
     }
@@ -135,12 +146,12 @@ MovieEncoded Stages::feed(VideoWriter& movie) {
             work();
         } catch (...) {
             good = false;
-            fail_later(std::current_exception());
+            if (!options_.stopping()) fail_later(std::current_exception());
         }
     };
     Picture picture;
     for (to_movie_.pop(picture); picture.image; to_movie_.pop(picture)) {
-        if (!good || failed_) continue;
+        if (!good || failed_ || options_.stopping()) continue;
         attempt([&] { movie.add(*picture.image); });
         if (!good) continue;
         ++added;

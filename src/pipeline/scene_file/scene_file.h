@@ -36,7 +36,8 @@ struct LooksDesc {
 using FileNames = std::map<std::string, std::string>;
 
 struct SceneFile {
-    std::string name;  ///< file name without .toml
+    std::string name;            ///< file name without .toml
+    std::filesystem::path path;  ///< of the file that it was read from; empty: of none
     int version = 1;
     std::string description;
     Scene scene;
