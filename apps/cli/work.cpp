@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <map>
 
@@ -20,15 +19,9 @@ const std::map<std::string, render::GlLibrary> gl_libraries{{"auto", render::GlL
                                                             {"osmesa", render::GlLibrary::osmesa},
                                                             {"egl", render::GlLibrary::egl}};
 
-std::atomic<bool> stop_wanted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
-
-void watch_signals() {
-    struct sigaction action = {};
-    action.sa_handler = [](int) { stop_wanted = true; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second Ctrl-C ends the program at once
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+/// On standard error. What cannot be told is not worth a run.
+void tell(const std::string& text) {
+    std::fputs(text.c_str(), stderr);
 }
 
 std::string clock_text(double seconds) {
@@ -81,19 +74,19 @@ class ProgressLine {
         if (rate > 0) text += ", " + clock_text(static_cast<double>(progress.frames - done) / rate) + " left";
         if (terminal_) {
             constexpr std::int64_t width = 30;
-            const auto full = static_cast<std::size_t>(width * done / progress.frames);
-            fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(full, '#'), std::string(width - full, '.'),
-                       text);
+            const auto full = static_cast<std::size_t>(width * done / std::max<std::int64_t>(progress.frames, 1));
+            tell(fmt::format("\r\033[K[{}{}] {}", std::string(full, '#'), std::string(width - full, '.'),
+                             text));
             drawn_ = true;
         } else {
-            fmt::print(stderr, "{}\n", text);
+            tell(text + "\n");
         }
         std::fflush(stderr);
     }
 
     /// Makes room for other lines.
     void clear() {
-        if (drawn_) fmt::print(stderr, "\r\033[K");
+        if (drawn_) tell("\r\033[K");
         drawn_ = false;
     }
 
@@ -126,34 +119,38 @@ render::GlLibrary WorkFlags::gl_library() const {
     return gl_libraries.at(gl);
 }
 
-Watch::Watch(const WorkFlags& flags, bool pictures) : line_(std::make_unique<ProgressLine>(pictures)) {
-    watch_signals();  // here only: elsewhere nothing asks whether to stop
+Watch::Watch(const WorkFlags& flags, bool pictures, OnSignal on_signal)
+    : line_(std::make_unique<ProgressLine>(pictures)) {
+    if (on_signal == OnSignal::finish) options_.stop = request_.emplace().flag();
     options_.pictures = pictures;
     options_.movie = pictures && !flags.no_video;
     options_.threads = flags.threads;
     options_.gl = flags.gl_library();
-    options_.stop = &stop_wanted;
     if (!flags.quiet) options_.progress = [this](const Progress& progress) { line_->show(progress); };
 }
 
 Watch::~Watch() = default;
 
 void conclude(const RunSummary& summary, const std::filesystem::path& out) {
-    if (summary.interrupted)
-        throw pipeline::Error(
-            ExitCode::interrupted,
+    if (summary.interrupted) {
+        std::string line =
             summary.states > 0
                 ? fmt::format("interrupted: {} and {} of {} are kept in {}", plural(summary.states, "state"),
                               plural(summary.images, "picture"), summary.frames, out.string())
                 : fmt::format("interrupted: {} drawn of {} are kept in {}", plural(summary.images, "picture"),
-                              summary.frames, out.string()));
+                              summary.frames, out.string());
+        if (!summary.encoder.empty() && std::max(summary.states, summary.images) > 0)
+            line += fmt::format("; a movie of them: render_cloth {} --out {}",
+                                summary.images == summary.states ? "encode" : "render", out.string());
+        throw pipeline::Error(ExitCode::interrupted, line);
+    }
     fmt::print("{}\n", last_line(summary, out));
 }
 
 std::filesystem::path run_scene(const SceneFlags& scene, const WorkFlags& flags, bool pictures) {
     const pipeline::SceneFile file = scene.load();
     const std::filesystem::path out = scene.folder(file);
-    conclude(pipeline::run_scene(file, out, Watch(flags, pictures).options()), out);
+    conclude(pipeline::run_scene(file, out, Watch(flags, pictures, OnSignal::finish).options()), out);
     return out;
 }
 

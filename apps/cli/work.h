@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "apps/cli/command_line.h"
 #include "apps/cli/scene_flags.h"
+#include "apps/cli/signals.h"
 #include "pipeline/run/run.h"
 
 namespace cloth::cli {
@@ -26,10 +28,16 @@ struct WorkFlags {
     render::GlLibrary gl_library() const;
 };
 
-/// While it lives, progress is shown; a first Ctrl-C asks the work to stop, a second ends the program.
+/// What a first Ctrl-C does.
+enum class OnSignal {
+    end,     ///< the program ends: what is half made is worth nothing
+    finish,  ///< the work is asked to stop and keeps what it has (StopRequest)
+};
+
+/// While it lives, progress is shown, and signals are heeded.
 class Watch {
   public:
-    Watch(const WorkFlags& flags, bool pictures);
+    Watch(const WorkFlags& flags, bool pictures, OnSignal on_signal);
     ~Watch();
     Watch(const Watch&) = delete;
     Watch& operator=(const Watch&) = delete;
@@ -38,11 +46,12 @@ class Watch {
 
   private:
     std::unique_ptr<class ProgressLine> line_;
+    std::optional<StopRequest> request_;
     pipeline::RunOptions options_;
 };
 
 /// Tells in a line what a run made and how long each stage took. Throws Error(interrupted) where it was
-/// stopped, saying what is kept.
+/// stopped, saying what is kept and which command makes a movie of it.
 void conclude(const pipeline::RunSummary& summary, const std::filesystem::path& out);
 
 /// Simulates the scene that is asked for, draws it where `pictures` are wanted, and concludes. Gives the

@@ -20,7 +20,7 @@ void add(cli::Flags& flags, Values& values) {
 
 cli::ExitCode work(const Values& values) {
     const auto summary = pipeline::encode_run(values.out, values.keys.redraw_overrides(),
-                                              cli::Watch(values.work, true).options());
+                                              cli::Watch(values.work, true, cli::OnSignal::finish).options());
     cli::conclude(summary, values.out);
     return cli::ExitCode::good;
 }

@@ -10,6 +10,7 @@
 #include "apps/cli/work.h"
 #include "apps/verbs/verbs.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/run/run_folder.h"
 #include "sim/scene/fabrics.h"
 
 namespace cloth::verbs {
@@ -65,7 +66,7 @@ validation::Parameters wanted_parameters(const Values& values, const validation:
 validation::Outcome outcome_of(const validation::Check& check, const validation::Parameters& parameters,
                                bool quiet) {
     const bool told = !quiet && isatty(STDERR_FILENO);
-    if (told) fmt::print(stderr, "\r{} …\033[K", check.name);
+    if (told) std::fputs(fmt::format("\r{} …\033[K", check.name).c_str(), stderr);
     validation::Outcome outcome;
     try {
         outcome = check.run(parameters);
@@ -73,7 +74,7 @@ validation::Outcome outcome_of(const validation::Check& check, const validation:
         throw pipeline::Error(cli::ExitCode::not_converged,
                               fmt::format("validate {}: {}", check.name, e.what()));
     }
-    if (told) fmt::print(stderr, "\r\033[K");
+    if (told) std::fputs("\r\033[K", stderr);
     return outcome;
 }
 
@@ -81,6 +82,7 @@ cli::ExitCode work(const Values& values) {
     const std::vector<validation::Check> wanted = wanted_checks(values);
     const validation::Parameters parameters = wanted_parameters(values, wanted.front());
     const std::filesystem::path plots = values.plots;
+    pipeline::require_own_folder(plots, "--plots");
     int bad = 0, plots_written = 0;
     fmt::print("{}", validation::table_head(values.markdown));
     for (const validation::Check& check : wanted) {
@@ -92,7 +94,8 @@ cli::ExitCode work(const Values& values) {
         std::fflush(stdout);
         for (const validation::Plot& plot : outcome.plots) {
             std::filesystem::create_directories(plots);
-            pipeline::write_file(plots / (plot.name + ".svg"), validation::to_svg(plot));
+            pipeline::write_file(plots / (plot.name + ".svg"),
+                                 std::string(pipeline::own_mark) + "\n" + validation::to_svg(plot));
             ++plots_written;
         }
     }
