@@ -1,10 +1,16 @@
 #include "apps/workplace.h"
 
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cstdlib>
+#include <thread>
 #include <nlohmann/json.hpp>
 
 namespace cloth::testing {
@@ -61,6 +67,52 @@ std::vector<std::string> Workplace::files(const std::string& below) const {
                 names.push_back(fs::relative(entry.path(), folder_ / below).string());
     std::sort(names.begin(), names.end());
     return names;
+}
+
+void Workplace::stand_in_for_ffmpeg(const std::string& script) const {
+    fs::create_directories(folder_ / "bin");
+    spit(folder_ / "bin/ffmpeg", "#!/bin/sh\ncase \"$*\" in *-version*) echo ffmpeg version fake; exit 0;; esac\n" +
+                                     script + "\n");
+    chmod((folder_ / "bin/ffmpeg").c_str(), 0755);
+}
+
+bool comes_true(const std::function<bool()>& condition, double seconds) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > end) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return true;
+}
+
+Started::Started(const Workplace& place, const std::string& arguments) {
+    const std::string out = (logs_ / "out").string(), err = (logs_ / "err").string();
+    const std::string line = "cd '" + place.path().string() + "' && PATH=\"$PWD/bin:$PATH\" exec '" +
+                             RENDER_CLOTH_BINARY + "' " + arguments + " >'" + out + "' 2>'" + err +
+                             "' </dev/null";
+    pid_ = fork();
+    if (pid_ == 0) {
+        execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+        _exit(99);
+    }
+}
+
+Started::~Started() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+}
+
+void Started::send(int signal) const {
+    kill(pid_, signal);
+}
+
+Outcome Started::wait(double seconds) {
+    int status = 0;
+    const bool ended = comes_true([&] { return waitpid(pid_, &status, WNOHANG) == pid_; }, seconds);
+    if (ended) pid_ = -1;
+    return {!ended ? -1 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            slurp(logs_ / "out"), slurp(logs_ / "err")};
 }
 
 void check_refusal(const Outcome& outcome, int code, const std::vector<std::string>& parts) {

@@ -1,7 +1,10 @@
 #pragma once
 // The program as a user meets it: run in a folder of its own, its exit code, its two outputs, its files.
 
+#include <sys/types.h>
+
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -27,9 +30,32 @@ class Workplace {
     /// All below a folder, sorted.
     std::vector<std::string> files(const std::string& below = "") const;
 
+    /// A shell script that is found for ffmpeg where PATH=$PWD/bin:$PATH is set. It knows its version.
+    void stand_in_for_ffmpeg(const std::string& script) const;
+
   private:
     TemporaryFolder folder_, logs_;
 };
+
+/// The program at work, to be disturbed.
+class Started {
+  public:
+    /// As Workplace::run(), but not waited for, and with what stands in for ffmpeg, if anything.
+    Started(const Workplace& place, const std::string& arguments);
+    Started(const Started&) = delete;
+    ~Started();  ///< ends it
+    void send(int signal) const;
+    /// Its end; code -1 where it does not come within half a minute, or `seconds`.
+    Outcome wait(double seconds = 30);
+    pid_t pid() const { return pid_; }
+
+  private:
+    TemporaryFolder logs_;
+    pid_t pid_ = -1;
+};
+
+/// Waits until something is so, for half a minute at most.
+bool comes_true(const std::function<bool()>& condition, double seconds = 30);
 
 /// One line, on standard error, that begins with the program's name.
 void check_refusal(const Outcome& outcome, int code, const std::vector<std::string>& parts);

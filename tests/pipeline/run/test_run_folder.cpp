@@ -28,13 +28,16 @@ TEST_CASE("clearing a run's folder removes the run and nothing else", "[run_fold
     spit(run.meshes() / "collider_000002.obj", "v 0 0 0");
     fs::create_directory(run.textures());
     spit(run.textures() / "cloth_000000.png", "a print");
-    spit(run.image(3).string() + ".part", "what a killed run left");
+    for (const char* left : {".part", ".12-0.part"})
+        spit(run.image(3).string() + left, "what a killed run left");
+    spit(run.movie("drape").string() + ".12-3.part", "what a killed run left");
     CHECK(run.kept_states() == std::vector<std::int64_t>{0, 12});
     CHECK(run.kept_images() == std::vector<std::int64_t>{12});
     const std::vector<std::string> foreign = {"notes.txt",
                                               "other.mp4",
                                               "frames/photo.png",
                                               "frames/frame_1.png",
+                                              "frames/photo.png.12-0.part",
                                               "states/state_abcdef.bin",
                                               "meshes/mine.obj",
                                               "textures/print.png"};
@@ -44,6 +47,8 @@ TEST_CASE("clearing a run's folder removes the run and nothing else", "[run_fold
     for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
         if (entry.is_regular_file()) left.push_back(fs::relative(entry.path(), folder.path()).string());
     std::vector<std::string> expected = foreign;
+    // The manifest stays until the next one takes its place, the lock as long as the folder is held.
+    expected.insert(expected.end(), {"run.lock", "states/manifest.json"});
     std::sort(left.begin(), left.end());
     std::sort(expected.begin(), expected.end());
     CHECK(left == expected);
