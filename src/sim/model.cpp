@@ -243,25 +243,6 @@ void assemble_mass(Model& model) {
     }
 }
 
-std::vector<PinGroup> make_pin_groups(const Scene& scene, const Model& model,
-                                      const std::vector<MeshData>& meshes) {
-    std::vector<PinGroup> groups;
-    for (std::size_t p = 0; p < scene.pins.size(); ++p) {
-        const PinDesc& pin = scene.pins[p];
-        const ClothDesc& cloth = scene.cloths[pin.cloth];
-        const Points start = start_positions(cloth, meshes[pin.cloth]);
-        PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
-        for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]", cloth.rest_grid())) {
-            group.vertices.push_back(model.cloths[pin.cloth].first_vertex + v);
-            group.start.push_back(start.row(v));
-            group.center += group.start.back();
-        }
-        group.center = pin.center.value_or(group.center / static_cast<double>(group.vertices.size()));
-        groups.push_back(std::move(group));
-    }
-    return groups;
-}
-
 }  // namespace
 
 std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model& model) {
@@ -328,6 +309,28 @@ std::vector<int> select_vertices(const VertexSelection& selection, const Points&
     return selected;
 }
 
+std::vector<PinGroup> make_pin_groups(const Scene& scene, const std::vector<MeshData>& rest) {
+    std::vector<int> first_vertex(1, 0);
+    for (const MeshData& mesh : rest) {
+        first_vertex.push_back(first_vertex.back() + static_cast<int>(mesh.positions.rows()));
+    }
+    std::vector<PinGroup> groups;
+    for (std::size_t p = 0; p < scene.pins.size(); ++p) {
+        const PinDesc& pin = scene.pins[p];
+        const ClothDesc& cloth = scene.cloths[pin.cloth];
+        const Points start = start_positions(cloth, rest[pin.cloth]);
+        PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
+        for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]", cloth.rest_grid())) {
+            group.vertices.push_back(first_vertex[pin.cloth] + v);
+            group.start.push_back(start.row(v));
+            group.center += group.start.back();
+        }
+        group.center = pin.center.value_or(group.center / static_cast<double>(group.vertices.size()));
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
 Model build_model(const Scene& scene) {
     validate(scene);
     Model model;
@@ -364,7 +367,8 @@ Model build_model(const Scene& scene) {
         model.triangle_areas(t) = 0.5 * (b - a).cross(c - a).norm();
     }
 
-    model.pin_groups = make_pin_groups(scene, model, meshes);
+    settle_lengths(model.scene, meshes);
+    model.pin_groups = make_pin_groups(scene, meshes);
     for (const Pin& pin : pins_of_step(model.pin_groups, 0.0, 0.0)) model.pinned.push_back(pin.vertex);
 
     model.triangle_rest = make_triangle_rests(model);

@@ -23,7 +23,7 @@ struct ClothRange {
 };
 
 struct Model {
-    Scene scene;            ///< events sorted by time
+    Scene scene;            ///< events sorted by time, lengths settled (mesh.h)
     Points rest_positions;  ///< shape (n, 3), all cloths one after another [m]
     Triangles triangles;    ///< shape (m, 3), into all vertices
     std::vector<ClothRange> cloths;
@@ -56,5 +56,8 @@ State start_state(const Model& model);
 /// cloth's rest shape where it is one, for edge names.
 std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
                                  const std::string& key, const Grid* grid = nullptr);
+
+/// What each [[pin]] holds; throws SceneError where one selects nothing. `rest`: one per cloth.
+std::vector<PinGroup> make_pin_groups(const Scene& scene, const std::vector<MeshData>& rest);
 
 }  // namespace cloth

@@ -44,7 +44,8 @@ struct ClothLookDesc : LookDesc {
     std::shared_ptr<const render::Image> texture;  ///< instead of a pattern
     double weave = 0.0;                            ///< spacing of the threads [m]; 0: smooth
     double weave_depth = 0.5;                      ///< slope of the threads' flanks
-    double hem = 0.002;                            ///< thickness of the rim as drawn [m]; 0: none
+    /// Thickness of the rim as drawn [m]; 0: none; default: usual_length(2e-3).
+    std::optional<double> hem;
 };
 
 struct ColliderLookDesc : LookDesc {

@@ -85,7 +85,8 @@ void describe(V& v, ClothLookDesc& l) {
     v("texture", l.texture, "PNG on rest coordinates, instead of a pattern");
     v("weave", l.weave, "m", range(0.0, 1.0), "spacing of the threads; 0: smooth");
     v("weave_depth", l.weave_depth, "", range(0.0, 2.0), "slope of the threads' flanks");
-    v("hem", l.hem, "m", range(0.0, 0.1), "thickness of the rim as drawn; 0: none");
+    v("hem", l.hem, "m", range(0.0, 0.1),
+      "thickness of the rim as drawn; 0: none; default: 2 mm, within the same bounds as contact_thickness");
     describe(v, static_cast<LookDesc&>(l));
 }
 

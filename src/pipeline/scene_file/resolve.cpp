@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <set>
 
 #include "base/portable_math.h"
@@ -153,17 +154,12 @@ void look_through(const CameraDesc& camera, std::vector<DragDesc>& drags) {
 
 // ---------------------------------------------------------------- the simulation's own rules
 
-void check_scene(const Scene& scene) {
-    validate(scene);
-    for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
-        if (scene.cloths[i].mesh) check_cloth_mesh(*scene.cloths[i].mesh, entry("cloth", i) + ".mesh");
-    }
+void check_scene(const Scene& scene, const std::vector<MeshData>& rest) {
+    make_pin_groups(scene, rest);  // refuses what selects nothing
     const auto selected = [&](const VertexSelection& selection, int cloth, const std::string& key) {
         const ClothDesc& c = scene.cloths[cloth];
-        return select_vertices(selection, start_positions(c, rest_shape(c)), key, c.rest_grid()).size();
+        return select_vertices(selection, start_positions(c, rest[cloth]), key, c.rest_grid()).size();
     };
-    for (std::size_t i = 0; i < scene.pins.size(); ++i)
-        selected(scene.pins[i], scene.pins[i].cloth, entry("pin", i));
     for (std::size_t i = 0; i < scene.seams.size(); ++i) {
         const auto& [first, second] = scene.seams[i].sides;
         const std::string key = entry("seam", i);
@@ -176,6 +172,26 @@ void check_scene(const Scene& scene) {
     }
 }
 
+std::vector<MeshData> checked_rest_shapes(const Scene& scene) {
+    validate(scene);
+    std::vector<MeshData> rest;
+    for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
+        rest.push_back(rest_shape(scene.cloths[i]));
+        if (scene.cloths[i].mesh) check_cloth_mesh(rest.back(), entry("cloth", i) + ".mesh");
+    }
+    return rest;
+}
+
+/// Lengths that follow the cloths' sizes where nothing is said.
+void settle_lengths(SceneFile& file, const std::vector<MeshData>& rest) {
+    cloth::settle_lengths(file.scene, rest);
+    constexpr double usual_hem = 2e-3, widest_hem = 0.1;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        std::optional<double>& hem = file.looks.cloths[i].hem;
+        if (!hem) hem = std::min(usual_length(usual_hem, rest[i]), widest_hem);
+    }
+}
+
 }  // namespace
 
 void resolve(Reader& reader, SceneFile& file) {
@@ -184,7 +200,9 @@ void resolve(Reader& reader, SceneFile& file) {
     check_pictures(reader, file);
     look_through(file.camera, file.scene.drags);
     try {
-        check_scene(file.scene);
+        const std::vector<MeshData> rest = checked_rest_shapes(file.scene);
+        settle_lengths(file, rest);
+        check_scene(file.scene, rest);
     } catch (const SceneError& error) {
         reader.fail(error.key, error.what());
     }

@@ -42,7 +42,7 @@ Look cloth_look(const ClothLookDesc& look) {
     m.image = look.texture;
     m.weave = static_cast<float>(look.weave);
     m.weave_depth = static_cast<float>(look.weave_depth);
-    return {m, look.subdivisions, look.hem};
+    return {m, look.subdivisions, look.hem.value_or(0.0)};
 }
 
 render::View view_of(const SceneFile& file) {

@@ -16,7 +16,7 @@ ContactSystem make_contact_system(const Model& model) {
                                  model.triangles(t, 1) - range.first_vertex,
                                  model.triangles(t, 2) - range.first_vertex});
         }
-        s.mesh.add_body({false, static_cast<int>(c), 0.5 * scene.cloths[c].contact_thickness},
+        s.mesh.add_body({false, static_cast<int>(c), 0.5 * *scene.cloths[c].contact_thickness},
                         range.vertex_count, triangles);
         s.friction.push_back(scene.cloths[c].fabric.friction);
     }
@@ -38,7 +38,7 @@ ContactSystem make_contact_system(const Model& model) {
     }
     s.rest.resize(3 * rest.size());
     for (std::size_t v = 0; v < rest.size(); ++v) s.rest.segment<3>(3 * v) = rest[v];
-    s.activation = scene.simulation.contact_activation;
+    s.activation = *scene.simulation.contact_activation;
     s.sliding_speed = scene.simulation.sliding_speed.value_or(1e-4);
     s.acceleration = scene.simulation.gravity.norm() + s.activation / (model.time_step * model.time_step);
     return s;

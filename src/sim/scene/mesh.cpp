@@ -136,6 +136,23 @@ void check_cloth_mesh(const MeshData& mesh, const std::string& key) {
     }
 }
 
+double usual_length(double usual, const MeshData& rest) {
+    const auto& x = rest.positions;
+    const double diagonal = (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
+    return std::min(std::max(usual, 1e-4 * diagonal), 1e-2 * diagonal);
+}
+
+void settle_lengths(Scene& scene, const std::vector<MeshData>& rest) {
+    constexpr double usual = 1e-3;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < scene.cloths.size(); ++c) {
+        const double length = usual_length(usual, rest[c]);
+        least = std::min(least, length);
+        if (!scene.cloths[c].contact_thickness) scene.cloths[c].contact_thickness = length;
+    }
+    if (!scene.simulation.contact_activation) scene.simulation.contact_activation = least;
+}
+
 Mat3 rotation_matrix(const Vec3& degrees) {
     auto turn = [](int axis, double angle) {
         const double c = cos_degrees(angle), s = sin_degrees(angle);

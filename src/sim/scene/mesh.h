@@ -2,6 +2,7 @@
 // Rest shapes: grids, checks, topology.
 
 #include <string>
+#include <vector>
 
 #include "sim/algebra/types.h"
 #include "sim/scene/scene.h"
@@ -26,6 +27,13 @@ void check_cloth_mesh(const MeshData& mesh, const std::string& key);
 
 /// Start positions of a cloth: rest shape or pose, bump, then transform. Shape (n, 3) [m].
 Points start_positions(const ClothDesc& cloth, const MeshData& rest);
+
+/// A length that the cloth's size sets where nothing is said: `usual`, but at most a hundredth and at least a
+/// ten-thousandth of the diagonal of the rest shape's box [m].
+double usual_length(double usual, const MeshData& rest);
+
+/// Gives each contact_thickness and contact_activation that is not said its value; `rest`: one per cloth.
+void settle_lengths(Scene& scene, const std::vector<MeshData>& rest);
 
 /// Rotation about the fixed x, then y, then z axis by degrees; exact for multiples of 90.
 Mat3 rotation_matrix(const Vec3& degrees);

@@ -113,8 +113,8 @@ struct ClothDesc {
     /// shape's bounding box, before `transform` [m]; gives a buckling sheet a definite side.
     double bump = 0.0;
     Vec3 warp = Vec3::UnitY();  ///< direction of the warp on the rest shape, any length but zero
-    double contact_thickness =
-        1e-3;  ///< of `barrier`: other things stay half of this away from the sheet [m]
+    /// Of `barrier`: other things stay half of this away from the sheet [m]; default: usual_length(1e-3).
+    std::optional<double> contact_thickness;
     Fabric fabric = default_fabric();
 
     /// The grid where it is the rest shape, else null.
@@ -258,9 +258,10 @@ struct SimulationDesc {
     double contact_stiffness = 100.0;  ///< of `penalty`, per vertex [N/m]
     /// Friction is in full force above this speed [m/s]; default: 1e-3 for `penalty`, 1e-4 for `barrier`.
     std::optional<double> sliding_speed;
-    double contact_activation = 1e-3;  ///< of `barrier`: gap at which repulsion begins [m]
-    int newton_iterations = 100;       ///< most Newton iterations of one solve
-    double newton_tolerance = 1e-6;    ///< residual |g| / |g at the step's start| at which Newton stops
+    /// Of `barrier`: gap at which repulsion begins [m]; default: usual_length(1e-3), of the cloths the least.
+    std::optional<double> contact_activation;
+    int newton_iterations = 100;     ///< most Newton iterations of one solve
+    double newton_tolerance = 1e-6;  ///< residual |g| / |g at the step's start| at which Newton stops
     /// Of `barrier`: Newton stops as well after a step in which no vertex goes farther than this speed's way
     /// in a time step, where the force left on each cloth as a whole would change its mean velocity by less
     /// than a hundredth of it [m/s]; 0: by the residual alone.

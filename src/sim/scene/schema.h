@@ -187,7 +187,8 @@ void describe(V& v, SimulationDesc& s) {
     v("sliding_speed", s.sliding_speed, "m/s", above(0.0),
       "friction is in full force above it; default: 1e-3 with penalty, 1e-4 with barrier");
     v("contact_activation", s.contact_activation, "m", above(0.0),
-      "of contact = \"barrier\": gap at which repulsion begins");
+      "of contact = \"barrier\": gap at which repulsion begins; default: the least contact_thickness that a "
+      "cloth here has by default");
     v("newton_iterations", s.newton_iterations, "", at_least(1),
       "most of one solve; of all but linearly_implicit_euler");
     v("newton_tolerance", s.newton_tolerance, "", between(0.0, 1.0),
@@ -264,7 +265,9 @@ void describe(V& v, ClothDesc& c) {
     v("bump", c.bump, "m", any, "height of a smooth out-of-plane offset of the start pose");
     v("warp", c.warp, "", any, "direction of the warp on the rest shape");
     v("contact_thickness", c.contact_thickness, "m", above(0.0),
-      "of contact = \"barrier\": of the sheet as others feel it");
+      "of contact = \"barrier\": of the sheet as others feel it; default: 1 mm, but at most a hundredth and "
+      "at "
+      "least a ten-thousandth of the diagonal of the rest shape's box");
     v.table("fabric", c.fabric);
 }
 
