@@ -10,6 +10,7 @@
 #include "sim/energies/membrane.h"
 #include "sim/energies/seam.h"
 #include "sim/energies/woven.h"
+#include "sim/model/possible.h"
 #include "sim/scene/mesh.h"
 
 namespace cloth {
@@ -368,6 +369,7 @@ Model build_model(const Scene& scene) {
     }
 
     settle_lengths(model.scene, meshes);
+    require_start_within_limits(scene, meshes);
     model.pin_groups = make_pin_groups(scene, meshes);
     for (const Pin& pin : pins_of_step(model.pin_groups, 0.0, 0.0)) model.pinned.push_back(pin.vertex);
 

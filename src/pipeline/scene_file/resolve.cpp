@@ -6,6 +6,7 @@
 #include "pipeline/scene_file/read_scene.h"
 #include "pipeline/scene_file/tables.h"
 #include "sim/model.h"
+#include "sim/model/possible.h"
 #include "sim/scene/mesh.h"
 
 namespace cloth::pipeline {
@@ -154,8 +155,10 @@ void look_through(const CameraDesc& camera, std::vector<DragDesc>& drags) {
 
 // ---------------------------------------------------------------- the simulation's own rules
 
-void check_scene(const Scene& scene, const std::vector<MeshData>& rest) {
-    make_pin_groups(scene, rest);  // refuses what selects nothing
+/// `last`: time of the run's last frame [s].
+void check_scene(const Scene& scene, const std::vector<MeshData>& rest, double last) {
+    require_start_within_limits(scene, rest);
+    require_reachable_pins(scene, rest, last);
     const auto selected = [&](const VertexSelection& selection, int cloth, const std::string& key) {
         const ClothDesc& c = scene.cloths[cloth];
         return select_vertices(selection, start_positions(c, rest[cloth]), key, c.rest_grid()).size();
@@ -202,7 +205,7 @@ void resolve(Reader& reader, SceneFile& file) {
     try {
         const std::vector<MeshData> rest = checked_rest_shapes(file.scene);
         settle_lengths(file, rest);
-        check_scene(file.scene, rest);
+        check_scene(file.scene, rest, (file.output.frames - 1) / file.scene.simulation.frame_rate);
     } catch (const SceneError& error) {
         reader.fail(error.key, error.what());
     }

@@ -1,5 +1,6 @@
 #include "sim/scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -137,6 +138,27 @@ void validate_fabric(const Fabric& f, const std::string& key) {
     if (f.yield_curvature) {
         require(f.bending_model == BendingKind::hinges, key + ".yield_curvature",
                 "needs bending_model = \"hinges\", the one with rest angles");
+    }
+}
+
+/// The velocity filter moves cloth after a step has been solved, by which it may pass a limit.
+void validate_strain_limits(const Scene& scene) {
+    if (scene.simulation.contact != ContactKind::velocity_filter) return;
+    for (std::size_t k = 0; k < scene.colliders.size(); ++k) {
+        const ColliderDesc& collider = scene.colliders[k];
+        const bool switched = std::any_of(scene.events.begin(), scene.events.end(), [&](const EventDesc& e) {
+            return e.collider && static_cast<std::size_t>(*e.collider) == k;
+        });
+        if (!collider.touchable || !(collider.enabled || switched)) continue;
+        for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
+            const auto& limit = scene.cloths[i].fabric.strain_limit;
+            require(!limit, item("cloth", i, "fabric.strain_limit"),
+                    "is " + number_text(limit.value_or(0.0)) +
+                        " beside simulation.contact = \"velocity_filter\" and " + item("collider", k) +
+                        ", \"" + collider.name +
+                        "\": the filter moves cloth after a step and would pass the limit; choose contact = "
+                        "\"barrier\" or \"penalty\", or set the limit to 0 to leave it out");
+        }
     }
 }
 
@@ -287,6 +309,7 @@ void validate(const Scene& scene) {
         validate_event(scene.events[i], i, scene.colliders.size());
     }
     validate_integrators(scene);
+    validate_strain_limits(scene);
 }
 
 }  // namespace cloth
