@@ -54,6 +54,8 @@ class MovingColliders {
     const Plane& plane(std::size_t p) const { return planes_[p]; }
     const Plane& plane_target(std::size_t p) const { return plane_targets_[p]; }
 
+    /// Where a collider of the scene is at the stage's end.
+    const Placement& target(int collider) const { return to_[collider]; }
     /// The way in the whole stage of what is at `p` at its start and moves with a collider [m].
     Vec3 way_in_stage(int collider, const Vec3& p) const;
 

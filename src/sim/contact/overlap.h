@@ -32,7 +32,9 @@ class OverlapError : public std::runtime_error {
     std::vector<std::array<Vec3, 3>> triangles;  ///< corners of cloth's and colliders', as they stand [m]
 };
 
-/// Throws OverlapError where anything overlaps at x, naming up to ten pairs.
-void require_no_overlap(const Model& model, const ContactSet& set, const VecX& x);
+/// Throws OverlapError where anything overlaps at x, with what overlaps and where. `occasion`: what began it
+/// (" at 0.5 s, …"); empty: the start of a run, and then with how far to move which cloth, where that frees
+/// it.
+void require_no_overlap(const Model& model, ContactSet& set, const VecX& x, const std::string& occasion);
 
 }  // namespace cloth

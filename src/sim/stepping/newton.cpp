@@ -6,6 +6,7 @@
 #include "base/stopwatch.h"
 #include "sim/contact/ccd.h"
 #include "sim/stepping/line_search.h"
+#include "sim/stepping/obstacle.h"
 
 namespace cloth {
 namespace {
@@ -29,8 +30,16 @@ class Minimization {
     bool run(VecX& x) {
         // Where the step begins in balance, the weight sets the scale.
         rule_.scale = std::max(gradient(x), 1e-2 * p_.model.weight);
+        if (!std::isfinite(rule_.scale)) {
+            report_.obstacle = strain_at(p_.model, x);
+            return false;
+        }
         report_.placed = place(x);
-        if (!report_.placed) return false;
+        if (!report_.placed) {
+            report_.obstacle =
+                obstacle_of_placing(p_.model, contact_, p_.pins, x, strained_ ? &guess_ : nullptr);
+            return false;
+        }
         double value = objective(x);
         make_first_guess(x);
         if (const double guess = objective(w_.trial); guess < value) {
@@ -62,7 +71,10 @@ class Minimization {
             converged = rule_.converged(norm) || (slow_ && rule_.at_rest(net_speed()));
         }
         report_.residual = rule_.scale > 0.0 ? norm / rule_.scale : 0.0;
-        if (!converged) report_.worst_vertex = worst_vertex(w_.rhs);
+        if (!converged) {
+            report_.worst_vertex = worst_vertex(w_.rhs);
+            report_.obstacle = strain_at(p_.model, x);
+        }
         return converged;
     }
 
@@ -189,8 +201,9 @@ class Minimization {
     bool place(VecX& x) {
         if ((!barrier_ || contact_->placed()) && pins_placed(p_.pins, x)) return true;
         if (place_at_once(x)) return true;
-        constexpr int most_placements = 60;
-        for (int k = 0; k < most_placements; ++k) {
+        constexpr int most_placements = 60, most_idle = 5;
+        constexpr double idle_share = 1e-3;  // what moves this little at a time has come to its end
+        for (int k = 0, idle = 0; k < most_placements && idle < most_idle; ++k) {
             if (w_.stopping()) return false;
             ++report_.placements;
             gradient(x);
@@ -212,11 +225,15 @@ class Minimization {
             double share = largest_share_placing(x, way);
             w_.start = x;
             x = w_.start + share * way;
+            if (k == 0) guess_ = x + way;
+            strained_ = false;
             for (int halvings = 0; !std::isfinite(p_.terms.value(x)); ++halvings) {
-                if (halvings == 30) return false;
+                strained_ = true;
                 share *= 0.5;
                 x = w_.start + share * way;
+                if (halvings == 30) return false;
             }
+            idle = share < idle_share ? idle + 1 : 0;
             if (barrier_) contact_->place(share);
             if (share == 1.0) {
                 place_pinned(p_.pins, x);
@@ -263,7 +280,9 @@ class Minimization {
     const BarrierContact* barrier_;  ///< null: none
     double h2_;
     StoppingRule rule_;
-    bool slow_ = false;  ///< the last step was
+    bool slow_ = false;      ///< the last step was
+    VecX guess_;             ///< where the first placing would have taken the cloth, shape (3n) [m]
+    bool strained_ = false;  ///< a strain limit shortened the last placing
 };
 
 }  // namespace

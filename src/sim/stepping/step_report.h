@@ -11,6 +11,8 @@
 #include <optional>
 #include <type_traits>
 
+#include "sim/stepping/obstacle.h"
+
 namespace cloth {
 
 namespace merging {
@@ -68,6 +70,7 @@ struct StepReport {
     ContactTimes contact_times;
     std::optional<int> worst_vertex;       ///< where a step that did not converge is farthest from balance
     std::optional<int> non_finite_vertex;  ///< the state is no longer usable
+    std::optional<Obstacle> obstacle;      ///< what kept a step that did not converge from its end, if known
 
     template <class Visit>
     static void describe(Visit&& visit) {
@@ -107,6 +110,7 @@ inline void merge(StepReport& whole, const StepReport& part) {
     merge(whole.contact_times, part.contact_times);
     whole.stopped = whole.stopped || part.stopped;
     if (part.worst_vertex) whole.worst_vertex = part.worst_vertex;
+    if (part.obstacle) whole.obstacle = part.obstacle;
     if (part.non_finite_vertex) whole.non_finite_vertex = part.non_finite_vertex;
 }
 
