@@ -130,9 +130,10 @@ TEST_CASE("a start with overlaps is refused by exit code 5, and the pairs are na
     const std::string barrier =
         "simulate --scene sheet.toml --out o --quiet --frames 4 --set simulation.contact=barrier --set "
         "simulation.integrator=implicit_euler --set collider.name=ball ";
-    check_refusal(place.run(barrier + "--set cloth.translate=[0.01,0.2,0.02]"), 5,
-                  {"things overlap: collider ball and cloth cloth are ",
-                   " mm nearer than their contact thickness at vertices "});
+    check_refusal(
+        place.run(barrier + "--set cloth.translate=[0.01,0.2,0.02]"), 5,
+        {"things overlap: cloth cloth and collider ball are ",
+         " mm nearer than their contact thickness at vertices ", " of cloth cloth; lift cloth cloth by "});
     check_refusal(place.run(barrier + "--set collider.shape=box --set collider.contact_offset=0 --set "
                                       "cloth.translate=[0.01,0.2,0.02]"),
                   5,
@@ -171,29 +172,61 @@ std::string message_of_stop(const Workplace& place, const std::string& scene) {
 
 }  // namespace
 
-TEST_CASE("a run whose step does not converge stops with exit code 4 and says where", "[cli]") {
+TEST_CASE("pins whose ways tear the cloth are refused before anything is written", "[cli]") {
     const Workplace place;
-    // Pulled beyond the strain limit that nothing may pass.
     spit(place / "torn.toml", R"(
 version = 1
-[simulation]
-contact = "velocity_filter"
-retries = 1
 [[cloth]]
 size = [0.1, 0.2]
 resolution = [3, 5]
-fabric = "cotton"
 [[pin]]
 edge = "top"
 [[pin]]
 edge = "bottom"
 path = [{ time = 0.0 }, { time = 0.5, translate = [0.0, -0.1, 0.0] }]
+)");
+    check_refusal(place.run("simulate --scene torn.toml --out o --quiet --frames 30"), 3,
+                  {"torn.toml:10:8: pin[1].path: asks for a stretch of 1.0", " at 0.0666667 s (frame 4)",
+                   "strain limit 1.05 (cloth[0].fabric.strain_limit)"});
+    CHECK_FALSE(fs::exists(place / "o"));
+    // What a run does not get to does not matter.
+    CHECK(place.run("simulate --scene torn.toml --out o --quiet --frames 3").code == 0);
+}
+
+TEST_CASE("a start beyond the strain limit is refused with line, stretch and limit", "[cli]") {
+    const Workplace place;
+    spit(place / "scale.toml", "version = 1\n[[cloth]]\nscale = 2.0\n[[collider]]\nradius = 0.3\n");
+    check_refusal(
+        place.run("simulate --scene scale.toml --out o --quiet --frames 3"), 3,
+        {"scale.toml:3:9: cloth[0].scale: cloth cloth starts stretched to 2 ", "strain limit 1.05"});
+    CHECK_FALSE(fs::exists(place / "o"));
+}
+
+TEST_CASE("cloth wound up to its strain limit stops with exit code 4 and names the triangle", "[cli]") {
+    const Workplace place;
+    spit(place / "wound.toml", R"(
+version = 1
+[simulation]
+gravity = [0.0, 0.0, 0.0]
+[[cloth]]
+name = "towel"
+size = [0.2, 0.1]
+resolution = [7, 4]
+bump = 0.001
+[[pin]]
+edge = "left"
+path = [{ time = 0.0 }, { time = 0.5, rotate = [360.0, 0.0, 0.0] }]
+[[pin]]
+edge = "right"
+path = [{ time = 0.0 }, { time = 0.5, rotate = [-360.0, 0.0, 0.0] }]
 [output]
 size = [64, 48]
 )");
-    CHECK_THAT(message_of_stop(place, "torn.toml"),
-               Contains("frame 3: in the step from 0.0333333 s, even cut into 2 parts, pins") &&
-                   Contains("or at its strain limit"));
+    CHECK_THAT(message_of_stop(place, "wound.toml"),
+               Contains("wound: frame ") &&
+                   Contains(" s on pins and colliders cannot get to where they are to be at ") &&
+                   Contains(" of cloth towel at (") && Contains(", strain limit 1.05; frames up to ") &&
+                   !Contains("residual"));
 }
 
 TEST_CASE("a step that would take more iterations than it may stops the run with exit code 4", "[cli]") {
@@ -217,7 +250,8 @@ size = [64, 48]
     const Outcome stopped = place.run("simulate --scene hasty.toml --out o --quiet --frames 3");
     CHECK(stopped.code == 4);
     CHECK_THAT(stopped.err, Contains("did not converge, not even cut into 2 parts") &&
-                                Contains("farthest from balance is vertex"));
+                                Contains(": residual ") && Contains("farthest from balance is vertex ") &&
+                                Contains(" of cloth cloth at ("));
 }
 
 TEST_CASE("cloth pressed where there is no room for it stops with exit code 4 and says so", "[cli]") {
@@ -244,8 +278,38 @@ path = [{ time = 0.0 }, { time = 0.2, translate = [0.0, -0.02, 0.0] }]
 [output]
 size = [64, 48]
 )");
-    CHECK_THAT(message_of_stop(place, "press.toml"),
-               Contains("press: frame ") && Contains("even cut into 2 parts") &&
-                   Contains("pins or colliders cannot get to where the scene wants them") &&
-                   !Contains("residual"));
+    CHECK_THAT(
+        message_of_stop(place, "press.toml"),
+        Contains("press: frame ") && Contains("pins and colliders cannot get to where they are to be at ") &&
+            Contains("collider above") && Contains("collider below") && Contains(" close on vertex ") &&
+            Contains("the cloth needs 1 mm") && !Contains("residual"));
+}
+
+TEST_CASE("a collider switched on over cloth names frame, time and event, and keeps the frames before",
+          "[cli]") {
+    const Workplace place;
+    spit(place / "block.toml", R"(
+version = 1
+[[cloth]]
+resolution = 8
+rotate = [-90.0, 0.0, 0.0]
+[[pin]]
+edge = "left"
+[[collider]]
+name = "block"
+shape = "box"
+enabled = false
+[[event]]
+time = 0.1
+collider = "block"
+[output]
+size = [64, 48]
+)");
+    check_refusal(
+        place.run("simulate --scene block.toml --out o --quiet --frames 30"), 5,
+        {"block: frame 7: things overlap at 0.1 s, where an event switches collider block on: cloth cloth "
+         "triangle ",
+         " crosses collider block triangle ", "; frames up to 6 are kept in o", "; in red in o/overlap.png"});
+    CHECK(fs::exists(place / "o/states/state_000006.bin"));
+    CHECK_FALSE(fs::exists(place / "o/states/state_000007.bin"));
 }

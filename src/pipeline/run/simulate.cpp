@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <memory>
@@ -40,26 +41,39 @@ std::string line_of(const std::exception_ptr& failure) {
 
 // ---------------------------------------------------------------- frames
 
-/// Why a step did not get to its end, where it was, and what is farthest from balance there.
+/// Why a step did not get to its end: what stood in its way, else what is farthest from balance.
 std::string why_not_converged(const Simulation& simulation, const FrameReport& report) {
     const SimulationDesc& settings = simulation.model().scene.simulation;
     const State& state = simulation.state();
     const int parts = 1 << settings.retries;
+    const std::string obstacle = report.obstacle ? words(simulation.model(), *report.obstacle) : "";
+    if (!report.placed && report.obstacle) {
+        return fmt::format(
+            "from {:.6g} s on pins and colliders cannot get to where they are to be at {:.6g} s: {}",
+            state.time, report.obstacle->time, obstacle);
+    }
     if (!report.placed) {
         return fmt::format(
-            "in the step from {:.6g} s, even cut into {} parts, pins or colliders cannot get to where the "
-            "scene wants "
-            "them: cloth is in the way, or at its strain limit",
+            "from {:.6g} s on, even in a step cut into {} parts, pins and colliders cannot get to "
+            "where they are to be",
             state.time, parts);
     }
-    const int vertex = report.worst_vertex.value_or(0);
-    const Vec3 place = state.positions.segment<3>(3 * vertex);
-    return fmt::format(
-        "the step from {:.6g} s did not converge, not even cut into {} parts: residual {:.2g}, must be "
-        "{:.2g}; farthest "
-        "from balance is vertex {} at ({:.4g}, {:.4g}, {:.4g})",
-        state.time, parts, report.residual, settings.newton_tolerance, vertex, place.x(), place.y(),
-        place.z());
+    std::string text =
+        fmt::format("the step from {:.6g} s did not converge, not even cut into {} parts", state.time, parts);
+    if (std::isfinite(report.residual) && report.residual > 0.0) {
+        text += fmt::format(": residual {:.2g}, must be {:.2g}", report.residual, settings.newton_tolerance);
+    }
+    if (report.worst_vertex) {
+        const Vec3 place = state.positions.segment<3>(3 * *report.worst_vertex);
+        const auto& cloths = simulation.model().cloths;
+        const auto cloth = std::find_if(cloths.rbegin(), cloths.rend(), [&](const ClothRange& range) {
+            return range.first_vertex <= *report.worst_vertex;
+        });
+        text += fmt::format("; farthest from balance is vertex {} of cloth {} at ({:.4g}, {:.4g}, {:.4g})",
+                            *report.worst_vertex - cloth->first_vertex, cloth->name, place.x(), place.y(),
+                            place.z());
+    }
+    return text + (obstacle.empty() ? "" : "; " + obstacle);
 }
 
 /// Why the run cannot go on from the frame that has been made; empty: it can.
@@ -142,9 +156,13 @@ std::exception_ptr make_frames(Simulation& simulation, const SceneFile& file, co
 
 /// Throws the overlap anew, with a picture of its place where one can be drawn.
 [[noreturn]] void show_overlap(const OverlapError& overlap, const SceneFile& file,
-                               const Simulation& simulation, const fs::path& path,
+                               const Simulation& simulation, const RunFolder& folder,
                                std::optional<render::Rasterizer>& rasterizer, const RunOptions& options) {
     std::string line = overlap.what();
+    if (const std::int64_t last = simulation.state().frame; simulation.state().step > 0)
+        line = fmt::format("{}: frame {}: {}; frames up to {} are kept in {}", file.name, last + 1, line,
+                           last, folder.root().string());
+    const fs::path path = folder.overlap();
     if (!overlap.triangles.empty()) {
         const std::exception_ptr failure = failure_of([&] {
             if (!rasterizer) rasterizer.emplace(options.threads, options.gl);
@@ -191,7 +209,7 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
     try {
         std::rethrow_exception(failure);
     } catch (const OverlapError& overlap) {
-        show_overlap(overlap, file, simulation, folder.overlap(), rasterizer, options);
+        show_overlap(overlap, file, simulation, folder, rasterizer, options);
     }
 }
 
