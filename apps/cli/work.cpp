@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <map>
 
+#include "base/text.h"
+
 namespace cloth::cli {
 namespace {
 
@@ -152,10 +154,6 @@ std::filesystem::path run_scene(const SceneFlags& scene, const WorkFlags& flags,
     const std::filesystem::path out = scene.folder(file);
     conclude(pipeline::run_scene(file, out, Watch(flags, pictures, OnSignal::finish).options()), out);
     return out;
-}
-
-std::string plural(std::int64_t n, const std::string& noun) {
-    return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
 }
 
 }  // namespace cloth::cli

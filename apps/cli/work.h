@@ -58,7 +58,4 @@ void conclude(const pipeline::RunSummary& summary, const std::filesystem::path& 
 /// run's folder.
 std::filesystem::path run_scene(const SceneFlags& scene, const WorkFlags& flags, bool pictures);
 
-/// "1 frame", "2 frames"
-std::string plural(std::int64_t n, const std::string& noun);
-
 }  // namespace cloth::cli

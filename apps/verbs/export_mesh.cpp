@@ -5,6 +5,7 @@
 #include "apps/cli/scene_flags.h"
 #include "apps/cli/work.h"
 #include "apps/verbs/verbs.h"
+#include "base/text.h"
 #include "pipeline/formats/exporters.h"
 #include "pipeline/run/run.h"
 
@@ -42,7 +43,7 @@ void sequence(const Values& values, const pipeline::ExportFormat& format, const 
     if (format.files == pipeline::SequenceFiles::one_per_frame)
         made = fmt::format("{} to {}", pipeline::numbered_file(made, span.first).string(),
                            pipeline::numbered_file(made, span.last - 1).string());
-    fmt::print("{} as {}: {}\n", cli::plural(span.last - span.first, "frame"), format.name, made);
+    fmt::print("{} as {}: {}\n", plural(span.last - span.first, "frame"), format.name, made);
 }
 
 cli::ExitCode work(const Values& values) {

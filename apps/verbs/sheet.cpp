@@ -5,6 +5,7 @@
 #include "apps/cli/scene_flags.h"
 #include "apps/cli/work.h"
 #include "apps/verbs/verbs.h"
+#include "base/text.h"
 #include "pipeline/formats/state_store.h"
 
 namespace cloth::verbs {
@@ -41,7 +42,7 @@ cli::ExitCode work(const Values& values) {
     const auto overrides = kept ? keys.redraw_overrides() : pipeline::Overrides();
     const auto made =
         pipeline::write_sheet(out, png, sheet, overrides, cli::Watch(values.work, true, cli::OnSignal::end).options());
-    fmt::print("{} in {}x{} pixels: {}\n", cli::plural(made.pictures, "picture"), made.width, made.height,
+    fmt::print("{} in {}x{} pixels: {}\n", plural(made.pictures, "picture"), made.width, made.height,
                made.file.string());
     return cli::ExitCode::good;
 }

@@ -9,6 +9,7 @@
 
 #include "apps/cli/work.h"
 #include "apps/verbs/verbs.h"
+#include "base/text.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/run/run_folder.h"
 #include "sim/scene/fabrics.h"
@@ -102,7 +103,7 @@ cli::ExitCode work(const Values& values) {
     if (plots_written > 0 && !values.markdown) fmt::print("plots: {}\n", plots.string());
     if (bad > 0)
         throw pipeline::Error(cli::ExitCode::other,
-                              fmt::format("validate: {} outside of tolerance", cli::plural(bad, "finding")));
+                              fmt::format("validate: {} outside of tolerance", plural(bad, "finding")));
     return cli::ExitCode::good;
 }
 

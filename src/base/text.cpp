@@ -39,6 +39,10 @@ std::string join(const std::vector<std::string>& items, const std::string& separ
     return text;
 }
 
+std::string plural(std::int64_t n, const std::string& noun) {
+    return std::to_string(n) + " " + noun + (n == 1 ? "" : "s");
+}
+
 std::vector<std::string> split(const std::string& text, char separator) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {

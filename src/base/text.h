@@ -1,6 +1,7 @@
 #pragma once
 // Words and lines: suggestions, lists, and text that is safe inside a message, HTML or SVG.
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 
 /// "a, b, c".
 std::string join(const std::vector<std::string>& items, const std::string& separator = ", ");
+
+/// "1 face", "2 faces".
+std::string plural(std::int64_t n, const std::string& noun);
 
 /// The parts between separators; one empty part for an empty text.
 std::vector<std::string> split(const std::string& text, char separator);

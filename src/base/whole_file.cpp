@@ -11,6 +11,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/memory.h"
+
 namespace cloth {
 
 namespace fs = std::filesystem;
@@ -164,15 +166,28 @@ void write_whole_file(const fs::path& path, std::string_view bytes) {
 // ---------------------------------------------------------------- in
 
 std::string read_whole_file(const fs::path& path) {
-    const Open file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-    if (file.number < 0) fail_to("read", path, errno);
+    // Without O_NONBLOCK a pipe that nobody writes to would not even open.
+    const Open file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    const auto fail = [&](const std::string& cause) {
+        throw std::runtime_error("cannot read " + path.string() + ": " + cause);
+    };
+    if (file.number < 0) fail(std::strerror(errno));
+    struct stat what = {};
+    if (::fstat(file.number, &what) != 0) fail(std::strerror(errno));
+    if (S_ISDIR(what.st_mode)) fail(std::strerror(EISDIR));
+    if (!S_ISREG(what.st_mode)) fail("is no regular file");
+    const auto size = static_cast<std::size_t>(what.st_size);
+    constexpr std::size_t small = std::size_t{1} << 26;  // fits anywhere
+    if (const std::size_t there = size > small ? available_memory() : small; size > there)
+        fail("is " + memory_text(static_cast<double>(size)) + " large; " +
+             memory_text(static_cast<double>(there)) + " of memory are free");
     std::string bytes;
     char buffer[1 << 16];
     while (true) {
         const ssize_t got = ::read(file.number, buffer, sizeof buffer);
         if (got < 0) {
             if (errno == EINTR) continue;
-            fail_to("read", path, errno);
+            fail(std::strerror(errno));
         }
         if (got == 0) return bytes;
         bytes.append(buffer, static_cast<std::size_t>(got));

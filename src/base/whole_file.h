@@ -57,7 +57,8 @@ std::string target_of_part(const std::string& name);
 /// A PartFile with `bytes`, finished.
 void write_whole_file(const std::filesystem::path& path, std::string_view bytes);
 
-/// Throws std::runtime_error naming path and cause.
+/// Throws std::runtime_error naming path and cause: what is no regular file (a pipe or device may never end),
+/// or larger than the memory that is there, is refused.
 std::string read_whole_file(const std::filesystem::path& path);
 
 }  // namespace cloth
