@@ -1,16 +1,36 @@
 #include "pipeline/formats/assimp_import.h"
 
+#include <assimp/importerdesc.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <assimp/BaseImporter.h>
+#include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cstring>
 #include <map>
 #include <utility>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "pipeline/formats/error.h"
 
 namespace cloth::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Leaves the importer no reader but those of the extension: left alone it asks all of them, and some crash
+/// or hang over what is not theirs.
+void keep_readers_of(const std::string& extension, Assimp::Importer& importer) {
+    for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+        const std::vector<std::string> theirs = split(importer.GetImporterInfo(i)->mFileExtensions, ' ');
+        if (std::find(theirs.begin(), theirs.end(), extension.substr(1)) != theirs.end()) continue;
+        Assimp::BaseImporter* other = importer.GetImporter(i);
+        importer.UnregisterLoader(other);
+        delete other;
+    }
+}
 
 /// Appends the meshes of a node and of those below it, moved to where the nodes stand.
 void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent, const FilePlace& place,
@@ -21,6 +41,7 @@ void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& par
     }
     const Eigen::Matrix4d world = parent * local;
     const bool moved = !world.isIdentity(0.0);
+    std::vector<std::int64_t> corners;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
         const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
         const auto first = static_cast<std::int64_t>(draft.positions.size());
@@ -35,11 +56,10 @@ void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& par
         }
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];
-            if (face.mNumIndices != 3) {
-                place.fail_polygon(draft.triangles.size(), face.mNumIndices);
-            }
-            draft.triangles.push_back(
-                {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
+            if (face.mNumIndices < 3) continue;
+            corners.clear();
+            for (unsigned k = 0; k < face.mNumIndices; ++k) corners.push_back(first + face.mIndices[k]);
+            draft.add_face(corners);
         }
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) append(scene, *node.mChildren[i], world, place, draft);
@@ -56,20 +76,51 @@ void join_equal_positions(MeshDraft& draft) {
         joined.push_back(at->second);
     }
     draft.positions = std::move(kept);
-    for (auto& triangle : draft.triangles) {
-        for (auto& v : triangle) v = joined[static_cast<std::size_t>(v)];
-    }
+    for (auto& v : draft.corners) v = joined[static_cast<std::size_t>(v)];
+}
+
+// ---------------------------------------------------------------- a draft as bytes, from process to process
+
+template <class T>
+void put(std::string& bytes, const std::vector<T>& values) {
+    const std::size_t count = values.size();
+    bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+    bytes.append(reinterpret_cast<const char*>(values.data()), count * sizeof(T));
+}
+
+template <class T>
+void take(std::string_view& bytes, std::vector<T>& values) {
+    std::size_t count = 0;
+    std::memcpy(&count, bytes.data(), sizeof count);
+    bytes.remove_prefix(sizeof count);
+    values.resize(count);
+    if (count > 0) std::memcpy(values.data(), bytes.data(), count * sizeof(T));
+    bytes.remove_prefix(count * sizeof(T));
+}
+
+std::string bytes_of(const MeshDraft& draft) {
+    std::string bytes;
+    put(bytes, draft.positions);
+    put(bytes, draft.corners);
+    put(bytes, draft.ends);
+    return bytes + join(draft.notes, "\n");
+}
+
+MeshDraft draft_of(std::string_view bytes) {
+    MeshDraft draft;
+    take(bytes, draft.positions);
+    take(bytes, draft.corners);
+    take(bytes, draft.ends);
+    if (!bytes.empty()) draft.notes = split(std::string(bytes), '\n');
+    return draft;
 }
 
 }  // namespace
 
-MeshDraft import_by_assimp(const fs::path& path, const std::string& extension) {
+MeshDraft import_unguarded(const fs::path& path, const std::string& extension) {
     const FilePlace place{path};
     Assimp::Importer importer;
-    if (!importer.IsExtensionSupported(extension)) {
-        place.fail("\"" + extension +
-                   "\" is no format of a mesh that can be read; OBJ, PLY, STL and glTF are some");
-    }
+    keep_readers_of(extension, importer);
     const aiScene* scene = importer.ReadFile(path.string(), 0);
     if (scene == nullptr || scene->mRootNode == nullptr) {
         place.fail(std::string("cannot be read as a mesh: ") + importer.GetErrorString());
@@ -77,7 +128,35 @@ MeshDraft import_by_assimp(const fs::path& path, const std::string& extension) {
     MeshDraft draft;
     append(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), place, draft);
     if (extension == ".stl") join_equal_positions(draft);
+    if (scene->mNumAnimations > 0)
+        draft.notes.push_back(plural(scene->mNumAnimations, "animation") +
+                              " ignored: the mesh stands still, where its nodes are at rest");
     return draft;
+}
+
+MeshDraft import_by_assimp(const fs::path& path, const std::string& extension, ChildLimits limits) {
+    const FilePlace place{path};
+    if (extension.size() < 2 || !Assimp::Importer().IsExtensionSupported(extension)) {
+        place.fail("\"" + extension +
+                   "\" is no format of a mesh that can be read; OBJ, PLY, STL and glTF are some");
+    }
+    if (limits.memory == 0) limits.memory = available_memory() / 4 * 3;
+    std::string answer;
+    try {
+        answer = in_child(
+            [&]() -> std::string {
+                try {
+                    return 'm' + bytes_of(import_unguarded(path, extension));
+                } catch (const Error& e) {
+                    return 'e' + std::string(e.what());
+                }
+            },
+            limits);
+    } catch (const std::runtime_error& e) {
+        place.fail("cannot be read as a mesh: the reader of " + extension + " files " + e.what());
+    }
+    if (answer.front() == 'e') throw Error(ExitCode::invalid_scene, answer.substr(1));
+    return draft_of(std::string_view(answer).substr(1));
 }
 
 }  // namespace cloth::pipeline

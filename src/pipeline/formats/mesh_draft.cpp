@@ -7,31 +7,64 @@
 
 #include "base/text.h"
 #include "pipeline/formats/error.h"
+#include "pipeline/formats/triangulate.h"
 
 namespace cloth::pipeline {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// The triangles of face `f`, whose vertices are all there.
+std::vector<std::array<int, 3>> triangles_of(const MeshDraft& draft, std::size_t f, const FilePlace& place) {
+    const auto face = draft.face(f);
+    std::vector<Vec3> polygon;
+    for (const std::int64_t v : face) {
+        const auto& p = draft.positions[static_cast<std::size_t>(v)];
+        polygon.emplace_back(p[0], p[1], p[2]);
+    }
+    const auto cut = triangulate(polygon);
+    if (cut.empty())
+        place.fail(
+            fmt::format("face {} (counted from 0) has {} corners and no triangles: it crosses itself or has "
+                        "no area; triangulate the mesh in a modeller",
+                        f, face.size()));
+    return cut;
+}
+
+void check_face(const MeshDraft& draft, std::size_t f, const FilePlace& place) {
+    const auto face = draft.face(f);
+    if (face.size() < 3)
+        place.fail(
+            fmt::format("face {} (counted from 0) has {} corners; a face has three or more", f, face.size()));
+    if (face.size() > most_corners)
+        place.fail(
+            fmt::format("face {} (counted from 0) has {} corners, more than {}: triangulate the mesh in a "
+                        "modeller",
+                        f, face.size(), most_corners));
+    for (const std::int64_t v : face) {
+        if (v < 0 || v >= static_cast<std::int64_t>(draft.positions.size()))
+            place.fail(fmt::format("face {} refers to vertex {}; there are {}, both counted from 0", f, v,
+                                   draft.positions.size()));
+    }
+}
+
+}  // namespace
 
 void FilePlace::fail(const std::string& message) const {
     const std::string place = path.string() + (line ? fmt::format(":{}", line) : "");
     throw Error(ExitCode::invalid_scene, one_line(place + ": " + message));
 }
 
-void FilePlace::fail_polygon(std::size_t face, std::int64_t corners) const {
-    fail(
-        fmt::format("face {} (counted from 0) has {} corners; a cloth has triangles only: triangulate the "
-                    "mesh first",
-                    face, corners));
-}
-
-MeshData checked_mesh(const MeshDraft& draft, const fs::path& path, bool faces_wanted) {
-    const std::size_t n = draft.positions.size(), m = draft.triangles.size();
+LoadedMesh checked_mesh(MeshDraft draft, const fs::path& path, bool faces_wanted) {
+    const std::size_t n = draft.positions.size();
     const FilePlace whole{path};
     if (n == 0) whole.fail("has no vertices");
-    if (faces_wanted && m == 0) whole.fail("has no faces");
-    if (std::max(n, m) > static_cast<std::size_t>(std::numeric_limits<int>::max() / 3))
+    if (faces_wanted && draft.face_count() == 0) whole.fail("has no faces");
+    if (std::max(n, draft.corners.size()) > static_cast<std::size_t>(std::numeric_limits<int>::max() / 3))
         whole.fail("is too large");
-    MeshData mesh;
+    LoadedMesh loaded{.mesh = {}, .notes = std::move(draft.notes)};
+    MeshData& mesh = loaded.mesh;
     mesh.positions.resize(static_cast<Eigen::Index>(n), 3);
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -39,19 +72,34 @@ MeshData checked_mesh(const MeshDraft& draft, const fs::path& path, bool faces_w
                 draft.positions[i][k];
         }
     }
-    mesh.triangles.resize(static_cast<Eigen::Index>(m), 3);
-    for (std::size_t t = 0; t < m; ++t) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::int64_t v = draft.triangles[t][k];
-            if (v < 0 || v >= static_cast<std::int64_t>(n)) {
-                const FilePlace place{path, draft.lines.empty() ? 0 : draft.lines[t]};
-                place.fail(
-                    fmt::format("face {} refers to vertex {}; there are {}, both counted from 0", t, v, n));
-            }
-            mesh.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = static_cast<int>(v);
+    if (!faces_wanted) return loaded;
+    std::vector<std::array<int, 3>> triangles;
+    std::size_t polygons = 0, parts = 0;
+    for (std::size_t f = 0; f < draft.face_count(); ++f) {
+        const FilePlace place{path, draft.lines.empty() ? 0 : draft.lines[f]};
+        check_face(draft, f, place);
+        const auto face = draft.face(f);
+        const auto vertex = [&](int corner) {
+            return static_cast<int>(face[static_cast<std::size_t>(corner)]);
+        };
+        if (face.size() == 3) {
+            triangles.push_back({vertex(0), vertex(1), vertex(2)});
+            continue;
         }
+        const auto cut = triangles_of(draft, f, place);
+        for (const auto& [a, b, c] : cut) triangles.push_back({vertex(a), vertex(b), vertex(c)});
+        ++polygons;
+        parts += cut.size();
     }
-    return mesh;
+    mesh.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        for (std::size_t k = 0; k < 3; ++k)
+            mesh.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
+    }
+    if (polygons > 0)
+        loaded.notes.push_back(fmt::format("{} of more than three corners cut into {} triangles",
+                                           plural(polygons, "face"), parts));
+    return loaded;
 }
 
 }  // namespace cloth::pipeline

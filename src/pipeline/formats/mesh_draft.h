@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,19 +20,37 @@ struct FilePlace {
 
     /// Throws Error(invalid_scene): "path:line: message".
     [[noreturn]] void fail(const std::string& message) const;
-    /// As fail(), of a face that is no triangle.
-    [[noreturn]] void fail_polygon(std::size_t face, std::int64_t corners) const;
 };
 
-/// A mesh as it is read; indices are checked once all vertices are known.
+/// A mesh as it is read; its faces are polygons, indices are checked once all vertices are known.
 struct MeshDraft {
-    std::vector<std::array<double, 3>> positions;        ///< [m]
-    std::vector<std::array<std::int64_t, 3>> triangles;  ///< counted from 0
-    std::vector<std::size_t> lines;                      ///< of each triangle; empty where there are none
+    std::vector<std::array<double, 3>> positions;
+    std::vector<std::int64_t> corners;  ///< of all faces, one behind the other, counted from 0
+    std::vector<std::size_t> ends;      ///< of each face: where its corners end
+    std::vector<std::size_t> lines;     ///< of each face; empty where there are none
+    std::vector<std::string> notes;     ///< what the file has and a mesh does not
+
+    std::size_t face_count() const { return ends.size(); }
+    /// The corners of a face.
+    std::span<const std::int64_t> face(std::size_t f) const {
+        const std::size_t begin = f == 0 ? 0 : ends[f - 1];
+        return {corners.data() + begin, ends[f] - begin};
+    }
+    void add_face(std::span<const std::int64_t> face) {
+        corners.insert(corners.end(), face.begin(), face.end());
+        ends.push_back(corners.size());
+    }
 };
 
-/// Throws Error(invalid_scene) without vertices, without faces where they are wanted, and where a face refers
-/// to a vertex that is not there.
-MeshData checked_mesh(const MeshDraft& draft, const std::filesystem::path& path, bool faces_wanted);
+/// A mesh from a file, and what a user should know of how it became one.
+struct LoadedMesh {
+    MeshData mesh;
+    std::vector<std::string> notes;
+};
+
+/// Cuts polygons into triangles, which a note tells; without `faces_wanted` there are vertices alone. Throws
+/// Error(invalid_scene) without vertices or wanted faces, and where one of these has fewer than three
+/// corners, refers to a vertex that is not there or cannot be cut.
+LoadedMesh checked_mesh(MeshDraft draft, const std::filesystem::path& path, bool faces_wanted);
 
 }  // namespace cloth::pipeline

@@ -11,7 +11,6 @@
 #include "pipeline/formats/assimp_import.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
-#include "pipeline/formats/mesh_draft.h"
 #include "pipeline/formats/obj.h"
 #include "pipeline/formats/ply.h"
 
@@ -20,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-MeshData read_any(const fs::path& path, bool faces_wanted) {
+LoadedMesh read_any(const fs::path& path, bool faces_wanted) {
     const FilePlace place{path};
     std::error_code problem;
     if (fs::is_directory(path, problem)) place.fail("is a folder, not a mesh file");
@@ -40,12 +39,12 @@ MeshData read_any(const fs::path& path, bool faces_wanted) {
 
 }  // namespace
 
-MeshData read_mesh(const fs::path& path) {
+LoadedMesh read_mesh(const fs::path& path) {
     return read_any(path, true);
 }
 
-Points read_points(const fs::path& path) {
-    return read_any(path, false).positions;
+LoadedMesh read_points(const fs::path& path) {
+    return read_any(path, false);
 }
 
 }  // namespace cloth::pipeline

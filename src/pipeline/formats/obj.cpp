@@ -49,6 +49,7 @@ MeshDraft read_obj(std::string_view text, const fs::path& path) {
     MeshDraft draft;
     FilePlace place{path};
     std::vector<std::string_view> words;
+    std::vector<std::int64_t> corners;
     std::string joined;
     std::size_t next_line = 1;
     while (!text.empty()) {
@@ -81,13 +82,10 @@ MeshDraft read_obj(std::string_view text, const fs::path& path) {
             if (words.size() == 5 && numbers[3] != 1.0) place.fail("a vertex with a weight other than 1");
             draft.positions.push_back({numbers[0], numbers[1], numbers[2]});
         } else if (words[0] == "f") {
-            if (words.size() != 4) {
-                place.fail_polygon(draft.triangles.size(), static_cast<std::int64_t>(words.size()) - 1);
-            }
-            std::array<std::int64_t, 3> corners{};
-            for (std::size_t i = 0; i < 3; ++i)
-                corners[i] = obj_corner(words[i + 1], draft.positions.size(), place);
-            draft.triangles.push_back(corners);
+            corners.clear();
+            for (std::size_t i = 1; i < words.size(); ++i)
+                corners.push_back(obj_corner(words[i], draft.positions.size(), place));
+            draft.add_face(corners);
             draft.lines.push_back(place.line);
         } else if (std::find(ignored.begin(), ignored.end(), words[0]) == ignored.end()) {
             place.fail(quoted(words[0]) + " begins no line of an OBJ mesh");

@@ -228,11 +228,12 @@ void check_element(const PlyElement& element, PlyFormat format, const PlyBody& b
     }
 }
 
-/// Entry `i` of an element: a vertex, a triangle, or what is passed over.
+/// Entry `i` of an element: a vertex, a face, or what is passed over.
 void read_entry(const PlyElement& element, std::size_t i, PlyBody& body, MeshDraft& draft) {
     const bool vertices = element.name == "vertex", faces = element.name == "face";
     body.begin_entry(element, i);
     std::array<double, 3> position{};
+    std::vector<std::int64_t> face;
     for (const PlyProperty& p : element.properties) {
         if (!p.count) {
             const double value = body.number(p.type, element, i);
@@ -247,18 +248,17 @@ void read_entry(const PlyElement& element, std::size_t i, PlyBody& body, MeshDra
         }
         const std::int64_t length = body.integer(*p.count, element, i);
         const bool corners = faces && names_corners(p);
-        if (corners && length != 3) body.place().fail_polygon(i, length);
         if (length < 0) body.place().fail("a list of negative length");
-        std::array<std::int64_t, 3> triangle{};
+        face.clear();
         for (std::int64_t k = 0; k < length; ++k) {
             if (corners) {
-                triangle[static_cast<std::size_t>(k)] = body.integer(p.type, element, i);
+                face.push_back(body.integer(p.type, element, i));
             } else {
                 body.number(p.type, element, i);
             }
         }
         if (!corners) continue;
-        draft.triangles.push_back(triangle);
+        draft.add_face(face);
         draft.lines.push_back(body.place().line);
     }
     body.end_entry();
