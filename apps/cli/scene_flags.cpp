@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <system_error>
 
 #include "base/text.h"
@@ -145,7 +146,9 @@ void SceneFlags::add(Flags& flags) {
 pipeline::SceneFile SceneFlags::load() const {
     if (scene.empty())
         refuse("--scene is missing: give a scene's name or file; render_cloth list names them");
-    return keys.load(scene);
+    const pipeline::SceneFile file = keys.load(scene);
+    for (const std::string& note : file.notes) fmt::print(stderr, "render_cloth: note: {}\n", one_line(note));
+    return file;
 }
 
 std::filesystem::path SceneFlags::folder(const pipeline::SceneFile& file) const {

@@ -28,9 +28,8 @@ Noted& noted() {
     return *files;
 }
 
-[[noreturn]] void fail_to(const char* what, const fs::path& path, int cause) {
-    throw std::runtime_error(std::string("cannot ") + what + " " + path.string() + ": " +
-                             std::strerror(cause));
+[[noreturn]] void fail_to_write(const fs::path& path, int cause) {
+    throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(cause));
 }
 
 /// A descriptor that closes itself.
@@ -68,7 +67,7 @@ FileToRemove make_part(const fs::path& target, const fs::path& folder) {
         const fs::path part = stem + std::to_string(count++) + ".part";
         const Open file{::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666)};
         if (file.number >= 0) return FileToRemove(part);
-        if (errno != EEXIST) fail_to("write", target, errno);
+        if (errno != EEXIST) fail_to_write(target, errno);
     }
 }
 
@@ -78,7 +77,7 @@ bool is_stream(const fs::path& target) {
     if (::lstat(target.c_str(), &itself) != 0) return false;  // nothing there: it is made
     const bool link = S_ISLNK(itself.st_mode);
     if (::stat(target.c_str(), &meant) != 0) meant = itself;
-    if (S_ISDIR(meant.st_mode)) fail_to("write", target, EISDIR);
+    if (S_ISDIR(meant.st_mode)) fail_to_write(target, EISDIR);
     if (S_ISCHR(meant.st_mode) || S_ISFIFO(meant.st_mode)) return true;
     if (S_ISREG(meant.st_mode) && !link) return false;
     std::error_code ignored;
@@ -126,23 +125,23 @@ PartFile::PartFile(fs::path target)
 
 void PartFile::write(std::string_view bytes) {
     Open file{::open(part().c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC)};
-    if (file.number < 0) fail_to("write", target_, errno);
-    if (const int cause = write_all(file.number, bytes)) fail_to("write", target_, cause);
-    if (const int cause = close_of(file)) fail_to("write", target_, cause);
+    if (file.number < 0) fail_to_write(target_, errno);
+    if (const int cause = write_all(file.number, bytes)) fail_to_write(target_, cause);
+    if (const int cause = close_of(file)) fail_to_write(target_, cause);
 }
 
 void PartFile::finish() {
     if (!stream_) {
         is_stream(target_);  // once more: something may have come there since
-        if (::rename(part().c_str(), target_.c_str()) != 0) fail_to("write", target_, errno);
+        if (::rename(part().c_str(), target_.c_str()) != 0) fail_to_write(target_, errno);
         part_.keep();
         return;
     }
     const std::string bytes = read_whole_file(part());
     Open file{::open(target_.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC)};
-    if (file.number < 0) fail_to("write", target_, errno);
-    if (const int cause = write_all(file.number, bytes)) fail_to("write", target_, cause);
-    if (const int cause = close_of(file)) fail_to("write", target_, cause);
+    if (file.number < 0) fail_to_write(target_, errno);
+    if (const int cause = write_all(file.number, bytes)) fail_to_write(target_, cause);
+    if (const int cause = close_of(file)) fail_to_write(target_, cause);
     part_ = FileToRemove();
 }
 

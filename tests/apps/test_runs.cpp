@@ -114,7 +114,9 @@ TEST_CASE("a second run into a folder replaces the first", "[cli]") {
 TEST_CASE("a run that diverges is still drawn up to its last good frame, with its colours", "[cli]") {
     const Workplace place;
     const Outcome outcome =
-        place.run(base + "--frames 30 --set simulation.gravity=[0,-1e307,0] --shade stretch");
+        place.run(base +
+                  "--frames 30 --set simulation.gravity=[0,-1e4,0] --set simulation.frame_rate=0.01 "
+                  "--set simulation.time_step=100 --shade stretch");
     CHECK(outcome.code == 4);
     const auto run = pipeline::RunFolder::open(place / "o");
     CHECK_FALSE(run.kept_states().empty());

@@ -88,6 +88,7 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
     Json report;
     report["scene"] = summary.scene;
     report["outcome"] = outcome;
+    if (!file.notes.empty()) report["notes"] = file.notes;
     report["program"] = {{"version", program_version()},
                          {"build", build_fingerprint()},
                          {"renderer", summary.renderer},

@@ -65,7 +65,11 @@ std::string bytes_of(const Matrix& m) {
 
 void FieldList::operator()(const char* key, std::optional<MeshData>& mesh, const char* meaning) {
     Field& f = add_file(key, meaning);
-    f.load = [&mesh](const std::filesystem::path& path) { mesh = read_mesh(path); };
+    f.load = [&mesh](const std::filesystem::path& path) {
+        LoadedMesh loaded = read_mesh(path);
+        mesh = std::move(loaded.mesh);
+        return loaded.notes;
+    };
     f.content = [&mesh] {
         return mesh ? bytes_of(mesh->positions) + bytes_of(mesh->triangles) : std::string();
     };
@@ -73,7 +77,11 @@ void FieldList::operator()(const char* key, std::optional<MeshData>& mesh, const
 
 void FieldList::operator()(const char* key, std::optional<Points>& points, const char* meaning) {
     Field& f = add_file(key, meaning);
-    f.load = [&points](const std::filesystem::path& path) { points = read_points(path); };
+    f.load = [&points](const std::filesystem::path& path) {
+        LoadedMesh loaded = read_points(path);
+        points = std::move(loaded.mesh.positions);
+        return loaded.notes;
+    };
     f.content = [&points] { return points ? bytes_of(*points) : std::string(); };
 }
 
@@ -82,6 +90,7 @@ void FieldList::operator()(const char* key, std::shared_ptr<const render::Image>
     Field& f = add_file(key, meaning);
     f.load = [&image](const std::filesystem::path& path) {
         image = std::make_shared<const render::Image>(render::read_png(path));
+        return std::vector<std::string>();
     };
     f.content = [&image] {
         return image ? fmt::format("{}x{} ", image->width, image->height) +

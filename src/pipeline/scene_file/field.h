@@ -23,8 +23,8 @@ struct Field {
     std::function<void(const toml::node&)> read;
     std::function<std::string()> write;  ///< "": not set
 
-    // Of a file alone: reads it, and what was read.
-    std::function<void(const std::filesystem::path&)> load;
+    // Of a file alone: reads it and returns notes for the user, and what was read.
+    std::function<std::vector<std::string>(const std::filesystem::path&)> load;
     std::function<std::string()> content;
 };
 using Fields = std::vector<Field>;

@@ -98,17 +98,17 @@ void describe(V& v, ColliderLookDesc& l) {
 /// A key frame of the camera's path.
 template <class V>
 void describe(V& v, CameraKey& k) {
-    v("time", k.time, "s", any, "");
-    v("position", k.position, "m", any, "");
-    v("target", k.target, "m", any, "");
+    v("time", k.time, "s", within(1e9), "");
+    v("position", k.position, "m", ranges::place, "");
+    v("target", k.target, "m", ranges::place, "");
     v("field_of_view", k.field_of_view, "degree", range(1.0, 160.0), "");
 }
 
 template <class V>
 void describe(V& v, CameraDesc& c) {
-    v("position", c.position, "m", any, "of the eye");
-    v("target", c.target, "m", any, "what it looks at");
-    v("up", c.up, "", any, "direction that is up in the picture");
+    v("position", c.position, "m", ranges::place, "of the eye");
+    v("target", c.target, "m", ranges::place, "what it looks at");
+    v("up", c.up, "", ranges::direction, "direction that is up in the picture");
     v("field_of_view", c.field_of_view, "degree", range(1.0, 160.0), "vertical");
     v("path", c.path, "smooth between these; drags still look from where the camera rests");
     v("turntable", c.turntable, "degree/s", range(-3600.0, 3600.0), "turn about the target");
@@ -117,7 +117,7 @@ void describe(V& v, CameraDesc& c) {
 
 template <class V>
 void describe(V& v, LightDesc& l) {
-    v("direction", l.direction, "", any, "from the scene towards the light");
+    v("direction", l.direction, "", ranges::direction, "from the scene towards the light");
     v("color", l.color, "sRGB");
     v("intensity", l.intensity, "", range(0.0, 1e6), "irradiance of a facing plane");
     v("softness", l.softness, "m", range(0.0, 1.0), "least half-width of a shadow's edge");
@@ -128,7 +128,7 @@ void describe(V& v, LightDesc& l) {
 
 template <class V>
 void describe(V& v, GroundDesc& g) {
-    v("height", g.height, "m", any, "y of the floor");
+    v("height", g.height, "m", ranges::place, "y of the floor");
     v("color", g.color, "sRGB, of the floor");
 }
 
@@ -158,9 +158,10 @@ void describe(V& v, AnnotationDesc& a) {
     v("caption", CaptionText{a.caption},
       "with {scene}, {time}, {frame}, {description} filled in; true: a usual one");
     v("shade", a.shade, "shown in colours instead of the fabric");
-    v("shade_range", a.shade_range, "", any, "numbers at the ends of the colours; default: of the whole run");
+    v("shade_range", a.shade_range, "", within(1e12),
+      "numbers at the ends of the colours; default: of the whole run");
     v("wireframe", a.wireframe, "the edges of the simulated triangles");
-    v("ids", a.ids, "pixel", any, "vertex and triangle numbers there, magnified");
+    v("ids", a.ids, "pixel", within(1e5), "vertex and triangle numbers there, magnified");
     v("curves", a.curves, "drawn in the picture");
     v("motion_blur", a.motion_blur, "", range(1, 64), "pictures of which each frame is the mean; 1: none");
     v("shutter", a.shutter, "", range(0.01, 1.0), "share of a frame's time during which they are taken");
@@ -174,7 +175,7 @@ void describe(V& v, ExpectDesc& e) {
 
 template <class V>
 void describe(V& v, SceneFile& f) {
-    v("version", f.version, "", any, "of the scene format: 1");
+    v("version", f.version, "", range(0, 1000), "of the scene format: 1");
     v("description", f.description, "one line for lists");
     v.table("simulation", f.scene.simulation);
     v.table("air", f.scene.simulation.air);

@@ -37,6 +37,9 @@ void check_cloth_keys(Reader& reader, const std::string& cloth, const ClothLookD
                                     mesh ? "mesh" : "radius"));
     }
     if (given("rings") && !disc) refuse("rings", "belongs to a disc; give its radius too");
+    if (given("units") && !mesh && !given("pose"))
+        refuse("units", "belongs to a mesh or pose; sizes in a scene are in metres");
+    if (given("weld") && !mesh) refuse("weld", "belongs to a mesh; other shapes have no doubled vertices");
     if (mesh && disc) refuse("radius", "belongs to a disc, but the cloth has a mesh; give one of the two");
     if (given("texture") && given("pattern"))
         refuse("pattern", "stands beside texture, which takes its place; give one or the other");
@@ -57,9 +60,11 @@ void check_keys(Reader& reader, const SceneFile& file) {
     for (std::size_t i = 0; i < file.scene.cloths.size(); ++i)
         check_cloth_keys(reader, entry("cloth", i), file.looks.cloths[i]);
     for (std::size_t i = 0; i < file.scene.colliders.size(); ++i) {
-        const std::string key = entry("collider", i) + ".mesh";
-        if (reader.find(key) && file.scene.colliders[i].shape != Shape::mesh)
-            reader.fail(key, "belongs to shape = \"mesh\"");
+        for (const char* name : {".mesh", ".units"}) {
+            const std::string key = entry("collider", i) + name;
+            if (reader.find(key) && file.scene.colliders[i].shape != Shape::mesh)
+                reader.fail(key, "belongs to shape = \"mesh\"");
+        }
     }
     for (std::size_t i = 0; i < file.scene.pins.size(); ++i) check_selection_keys(reader, entry("pin", i));
     for (std::size_t i = 0; i < file.scene.seams.size(); ++i) {
@@ -121,7 +126,8 @@ void load_files(Reader& reader, SceneFile& file) {
             const std::filesystem::path path = reader.find_file(name->second);
             name->second = path.string();
             try {
-                field.load(path);
+                for (const std::string& note : field.load(path))
+                    file.notes.push_back(fmt::format("{}: {}: {}", key, path.string(), note));
             } catch (const std::runtime_error& error) {
                 reader.fail(key, error.what());
             }
@@ -200,6 +206,7 @@ void settle_lengths(SceneFile& file, const std::vector<MeshData>& rest) {
 void resolve(Reader& reader, SceneFile& file) {
     check_keys(reader, file);
     load_files(reader, file);
+    mend_meshes(reader, file);
     check_pictures(reader, file);
     look_through(file.camera, file.scene.drags);
     try {
@@ -209,6 +216,7 @@ void resolve(Reader& reader, SceneFile& file) {
     } catch (const SceneError& error) {
         reader.fail(error.key, error.what());
     }
+    note_sizes(file);
 }
 
 }  // namespace cloth::pipeline

@@ -47,6 +47,11 @@ struct SceneFile {
     OutputDesc output;
     ExpectDesc expect;
     FileNames files;  ///< absolute names of all meshes and textures that were read
+    /// What a user should know of how the scene was read, a line each: "cloth[0].mesh: …".
+    std::vector<std::string> notes;
+    /// Of each cloth whose mesh lost vertices when it was mended: the number in the file of each that it has;
+    /// else empty. Pins and seams refer to those that it has.
+    std::vector<std::vector<int>> vertices_in_file;
 
     // What the renderer takes of the above.
     render::View view;  ///< size, camera at rest and light
@@ -55,7 +60,7 @@ struct SceneFile {
     std::vector<Look> collider_looks;  ///< one per collider
 
     /// TOML of this scene with every default written out; loads to the same. `kept` names files otherwise
-    /// than they were read.
+    /// than they were read, meshes as they are mended.
     std::string resolved(const FileNames& kept = {}) const;
 };
 

@@ -10,9 +10,36 @@ Tables tables_of(const SceneFile& file, FileNames& files) {
     return tables_of(const_cast<SceneFile&>(file), files);
 }
 
+/// Whether the scene is written with a mesh that has more vertices than the scene's.
+bool other_vertices(const SceneFile& file, const FileNames& kept) {
+    for (std::size_t c = 0; c < file.vertices_in_file.size(); ++c) {
+        if (!file.vertices_in_file[c].empty() && !kept.contains(entry("cloth", c) + ".mesh")) return true;
+    }
+    return false;
+}
+
+/// `file` with the vertex numbers that its mesh files have.
+SceneFile numbered_as_in_files(SceneFile file, const FileNames& kept) {
+    const auto number = [&](VertexSelection& selection, int cloth) {
+        const auto c = static_cast<std::size_t>(cloth);
+        if (file.vertices_in_file[c].empty() || kept.contains(entry("cloth", c) + ".mesh")) return;
+        for (int& v : selection.vertices) v = file.vertices_in_file[c].at(static_cast<std::size_t>(v));
+    };
+    for (PinDesc& pin : file.scene.pins) number(pin, pin.cloth);
+    for (SeamDesc& seam : file.scene.seams) {
+        for (SeamDesc::Side& side : seam.sides) number(side, side.cloth);
+    }
+    return file;
+}
+
 }  // namespace
 
 std::string SceneFile::resolved(const FileNames& kept) const {
+    if (other_vertices(*this, kept)) {
+        SceneFile numbered = numbered_as_in_files(*this, kept);
+        numbered.vertices_in_file.clear();
+        return numbered.resolved(kept);
+    }
     FileNames names = files;
     for (const auto& [key, as_kept] : kept) names[key] = as_kept;
     std::string text;

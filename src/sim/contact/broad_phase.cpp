@@ -31,7 +31,17 @@ void ContactMesh::add_body(const ContactBody& body, int vertices,
     }
     for (int v = 0; v < vertices; ++v) {
         if (!used[v]) lone_points.push_back(first + v);
+        vertex_piece.push_back(first + v);
     }
+    const auto piece_of = [&](int v) {
+        while (vertex_piece[v] != v) v = vertex_piece[v] = vertex_piece[vertex_piece[v]];
+        return v;
+    };
+    for (const auto& [a, b_end] : found) {
+        const int p = piece_of(a), q = piece_of(b_end);
+        vertex_piece[std::max(p, q)] = std::min(p, q);
+    }
+    for (int v = first; v < vertex_count(); ++v) vertex_piece[v] = piece_of(v);
 }
 
 std::array<int, 4> pair_points(const ContactMesh& mesh, const PairCandidate& pair) {

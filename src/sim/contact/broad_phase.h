@@ -48,6 +48,7 @@ struct ContactBody {
 struct ContactMesh {
     std::vector<ContactBody> bodies;
     std::vector<int> vertex_body;
+    std::vector<int> vertex_piece;  ///< connected by edges, across no body: the first vertex of the piece
     std::vector<std::array<int, 2>> edges;
     std::vector<std::array<int, 3>> faces;
     std::vector<int> lone_points;  ///< vertices of no edge

@@ -53,11 +53,16 @@ Candidate Candidates::make(const PairCandidate& pair) const {
     const double spans =
         (rest[split] - rest[0]).norm() - (split == 2 ? (rest[1] - rest[0]).norm() : 0.0) -
         std::max((rest[3] - rest[split]).norm(), split == 1 ? (rest[2] - rest[1]).norm() : 0.0);
-    if (a == b && spans < 4.0 * c.offset + 2.0 * c.activation) {
+    const bool one_piece = a == b && mesh.vertex_piece[c.points[0]] == mesh.vertex_piece[c.points[split]];
+    if (one_piece && spans < 4.0 * c.offset + 2.0 * c.activation) {
         // Neighbours in a fine mesh stand nearer than the thickness at rest; they meet where that is halved.
+        // What is at one place at rest is no neighbour (patterns cut from one sheet, a seam not joined): it
+        // keeps all.
         const double apart = std::sqrt(nearest(pair.kind, rest).distance_squared);
-        c.offset = std::min(c.offset, 0.25 * apart);
-        c.activation = std::min(c.activation, 0.5 * apart);
+        if (apart > 1e-5 * (rest[3] - rest[split]).norm()) {
+            c.offset = std::min(c.offset, 0.25 * apart);
+            c.activation = std::min(c.activation, 0.5 * apart);
+        }
     }
     c.stiffness = std::min(mass[0], mass[1]) * c.activation * system_.acceleration;
     if (pair.kind == PairKind::edge_edge) c.mollifier = mollifier_threshold(rest);

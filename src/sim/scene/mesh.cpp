@@ -17,6 +17,10 @@ std::string triangle_text(const Triangles& triangles, int t) {
            std::to_string(triangles(t, 1)) + ", " + std::to_string(triangles(t, 2)) + ", counted from 0)";
 }
 
+Points in_metres(const Points& positions, LengthUnit unit) {
+    return unit == LengthUnit::metre ? positions : Points(length_of(unit) * positions);
+}
+
 }  // namespace
 
 MeshData make_grid(const Grid& grid) {
@@ -81,7 +85,7 @@ MeshData make_disc(const Disc& disc) {
 }
 
 MeshData rest_shape(const ClothDesc& cloth) {
-    if (cloth.mesh) return *cloth.mesh;
+    if (cloth.mesh) return {in_metres(cloth.mesh->positions, cloth.units), cloth.mesh->triangles};
     return cloth.disc ? make_disc(*cloth.disc) : make_grid(cloth.grid);
 }
 
@@ -97,7 +101,8 @@ void check_cloth_mesh(const MeshData& mesh, const std::string& key) {
 
     std::vector<bool> used(n, false);
     std::map<std::array<int, 3>, int> seen;
-    std::map<std::array<int, 2>, int> edges;
+    std::map<std::array<int, 2>, int> edges, ways;
+    bool one_way = true;
     for (int t = 0; t < F.rows(); ++t) {
         std::array<int, 3> corners{F(t, 0), F(t, 1), F(t, 2)};
         for (int v : corners) {
@@ -113,15 +118,18 @@ void check_cloth_mesh(const MeshData& mesh, const std::string& key) {
             if (++edges[{std::min(a, b), std::max(a, b)}] > 2) {
                 throw SceneError(key,
                                  "the edge of vertices " + std::to_string(a) + " and " + std::to_string(b) +
-                                     " (counted from 0) has more than two triangles; cloth has at most two");
+                                     " (counted from 0) has more than two triangles; cloth has at most two: "
+                                     "take the third away in a modeller, which finds it as non-manifold");
             }
+            if (++ways[{a, b}] > 1) one_way = false;
         }
         const Vec3 e1 = mesh.positions.row(corners[1]) - mesh.positions.row(corners[0]);
         const Vec3 e2 = mesh.positions.row(corners[2]) - mesh.positions.row(corners[0]);
         // Area against the longest edge: a needle thinner than 1e-7 of its length has no usable rest frame.
         const double longest = std::max({e1.squaredNorm(), e2.squaredNorm(), (e2 - e1).squaredNorm()});
         if (!(e1.cross(e2).norm() > 1e-7 * longest)) {
-            throw SceneError(key, triangle_text(F, t) + " is degenerate: it has no area");
+            throw SceneError(
+                key, triangle_text(F, t) + " is degenerate: it has no area; dissolve it in a modeller");
         }
         std::sort(corners.begin(), corners.end());
         const auto [first, inserted] = seen.emplace(corners, t);
@@ -133,6 +141,14 @@ void check_cloth_mesh(const MeshData& mesh, const std::string& key) {
     if (loose != used.end()) {
         throw SceneError(key, "vertex " + std::to_string(loose - used.begin()) +
                                   " (counted from 0) belongs to no triangle");
+    }
+    if (!one_way) {
+        const auto twice =
+            std::find_if(ways.begin(), ways.end(), [](const auto& way) { return way.second > 1; })->first;
+        throw SceneError(key, "the triangles at the edge of vertices " + std::to_string(twice[0]) + " and " +
+                                  std::to_string(twice[1]) +
+                                  " (counted from 0) face opposite ways, and no turning helps: the sheet is "
+                                  "one-sided, as a Möbius band is; cut it across and sew it with a seam");
     }
 }
 
@@ -168,7 +184,7 @@ Mat3 rotation_matrix(const Vec3& degrees) {
 }
 
 Points start_positions(const ClothDesc& cloth, const MeshData& rest) {
-    Points x = cloth.pose ? *cloth.pose : rest.positions;
+    Points x = cloth.pose ? in_metres(*cloth.pose, cloth.units) : rest.positions;
     if (cloth.bump != 0.0) {
         const Eigen::RowVector3d low = rest.positions.colwise().minCoeff();
         const Eigen::RowVector3d extent = rest.positions.colwise().maxCoeff() - low;

@@ -16,13 +16,13 @@ MeshData make_grid(const Grid& grid);
 /// equilateral.
 MeshData make_disc(const Disc& disc);
 
-/// The cloth's mesh, disc or grid.
+/// The cloth's mesh, disc or grid [m].
 MeshData rest_shape(const ClothDesc& cloth);
 
 /// Refuses what is no cloth: no triangle, an index out of range, a triangle with a repeated corner or
 /// (nearly) no area, the same three corners twice, an edge of more than two triangles, a non-finite
-/// coordinate, a vertex of no triangle. Throws SceneError under `key`, naming the triangle or vertex (counted
-/// from 0).
+/// coordinate, a vertex of no triangle, neighbours that face opposite ways (repair_cloth_mesh() has turned
+/// all that can be). Throws SceneError under `key`, naming the triangle or vertex (counted from 0).
 void check_cloth_mesh(const MeshData& mesh, const std::string& key);
 
 /// Start positions of a cloth: rest shape or pose, bump, then transform. Shape (n, 3) [m].

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "sim/scene/schema.h"
 
@@ -13,8 +14,19 @@ namespace cloth {
 std::string number_text(double value) {
     char text[32];
     const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
-    std::snprintf(text, sizeof text, whole ? "%.0f" : "%.6g", value);
-    return text;
+    std::snprintf(text, sizeof text, "%.6g", value);
+    const std::string shortest = text;
+    // 1e9 says more than a row of noughts.
+    const bool round = std::abs(value) > 1e6 && std::strtod(text, nullptr) == value;
+    if (whole && !round) {
+        std::snprintf(text, sizeof text, "%.0f", value);
+        return text;
+    }
+    const std::size_t e = shortest.find('e');
+    if (e == std::string::npos) return shortest;
+    // 1e-06 → 1e-6
+    const std::size_t digits = shortest.find_first_not_of("+-0", e + 1);
+    return shortest.substr(0, e + 1) + (shortest[e + 1] == '-' ? "-" : "") + shortest.substr(digits);
 }
 
 bool Range::holds(double value) const {
@@ -37,13 +49,18 @@ std::string Range::brief() const {
     const bool floor = std::isfinite(low), ceiling = std::isfinite(high);
     if (!floor && !ceiling) return "";
     if (above && below) return number_text(low) + " < … < " + number_text(high);
-    if (above && ceiling) return "> " + number_text(low) + ", ≤ " + number_text(high);
-    if (floor && ceiling) return number_text(low) + " … " + number_text(high);
+    if (above && ceiling)
+        return "> " + number_text(low) + ", ≤ " + number_text(high) +
+               (zero_is_none && !holds(0.0) ? " or 0" : "");
+    if (floor && ceiling && low == -high) return "±" + number_text(high);
+    if (floor && ceiling)
+        return number_text(low) + " … " + number_text(high) + (zero_is_none && !holds(0.0) ? " or 0" : "");
     return (above ? "> " : "≥ ") + number_text(low) + (zero_is_none && !holds(0.0) ? " or 0" : "");
 }
 
 std::string Range::refusal(double value, const std::string& unit) const {
-    return "is " + number_text(value) + "; " + words() + (unit.empty() ? "" : " " + unit) + remark;
+    return "is " + number_text(value) + (std::isfinite(value) ? "; " : ", not finite; ") + words() +
+           (unit.empty() ? "" : " " + unit) + remark;
 }
 
 // ---------------------------------------------------------------- checks
@@ -263,8 +280,6 @@ void validate_drag(const DragDesc& d, std::size_t i) {
     require(d.path.size() >= 2, item("drag", i, "path"),
             "needs at least two keys [time, x, y]: press and release");
     for (std::size_t k = 0; k < d.path.size(); ++k) {
-        require(std::isfinite(d.path[k].time) && d.path[k].pixel.allFinite(), item("drag", i, "path"),
-                "must be finite numbers");
         require(k == 0 || d.path[k].time > d.path[k - 1].time, item("drag", i, "path"),
                 "has times that do not increase");
     }

@@ -86,11 +86,30 @@ struct Disc {
     int rings = 20;
 };
 
-/// Vertices and triangles as a file gave them; their order is kept.
+/// Vertices and triangles as a file gave them, of clothes mended (mesh_repair.h); their order is kept.
 struct MeshData {
-    Points positions;     ///< shape (n, 3) [m]
+    Points positions;     ///< shape (n, 3), in the unit that the cloth or collider names
     Triangles triangles;  ///< shape (m, 3)
 };
+
+/// What the numbers in a mesh file mean.
+enum class LengthUnit { metre, centimetre, millimetre, inch, foot };
+
+/// [m]
+constexpr double length_of(LengthUnit unit) {
+    switch (unit) {
+        case LengthUnit::centimetre:
+            return 0.01;
+        case LengthUnit::millimetre:
+            return 0.001;
+        case LengthUnit::inch:
+            return 0.0254;
+        case LengthUnit::foot:
+            return 0.3048;
+        default:
+            return 1.0;
+    }
+}
 
 /// Applied to a rest shape in the order scale, rotate, translate.
 struct Transform {
@@ -106,9 +125,11 @@ struct ClothDesc {
     std::optional<Disc> disc;      ///< rest shape
     std::optional<MeshData> mesh;  ///< rest shape; may be curved
     std::optional<Points>
-        pose;             ///< start positions before `transform`, shape (n, 3) [m]; default: rest shape
-    Transform transform;  ///< moves rest shape (or pose) to the start
-    Vec3 velocity = Vec3::Zero();  ///< start velocity of the free vertices [m/s]
+        pose;  ///< start positions before `transform`, shape (n, 3), in `units`; default: rest shape
+    LengthUnit units = LengthUnit::metre;  ///< of the coordinates in `mesh` and `pose`
+    bool weld = true;                      ///< of a mesh from a file: vertices at one place become one
+    Transform transform;                   ///< moves rest shape (or pose) to the start
+    Vec3 velocity = Vec3::Zero();          ///< start velocity of the free vertices [m/s]
     /// Smooth out-of-plane start offset z += amplitude sin(pi (x-x0)/w) sin(pi (y-y0)/h) over the rest
     /// shape's bounding box, before `transform` [m]; gives a buckling sheet a definite side.
     double bump = 0.0;
@@ -145,9 +166,10 @@ struct ColliderDesc {
     double height = 0.5;           ///< capsule, cylinder: length of the axis, along y before `rotate` [m]
     Vec3 size{0.5, 0.5, 0.5};      ///< box: edge lengths [m]
     std::optional<MeshData> mesh;  ///< mesh: open or closed, any triangles
-    double scale = 1.0;            ///< mesh: applied before `rotate`
-    Vec3 rotate = Vec3::Zero();    ///< box, capsule, cylinder, mesh: about the fixed x, y, z axes [degree]
-    std::vector<MotionKey> path;   ///< moves the body, turning it about `center`; empty: at rest
+    LengthUnit units = LengthUnit::metre;  ///< mesh: of its coordinates
+    double scale = 1.0;                    ///< mesh: applied before `rotate`
+    Vec3 rotate = Vec3::Zero();   ///< box, capsule, cylinder, mesh: about the fixed x, y, z axes [degree]
+    std::vector<MotionKey> path;  ///< moves the body, turning it about `center`; empty: at rest
     Vec3 spin = Vec3::Zero();     ///< steady turn about `center`, before `path`'s: axis times rate [degree/s]
     double contact_offset = 0.0;  ///< contact begins this far outside the drawn surface [m]
     std::optional<double> contact_radius;  ///< sphere: contact begins this far from the centre instead [m]

@@ -22,7 +22,8 @@ namespace cloth {
 
 // ---------------------------------------------------------------- ranges
 
-/// The numbers that a key takes, always finite; of a vector or list each of its numbers.
+/// The numbers that a key takes, of a vector or list each of its numbers. Every key has both ends: what lies
+/// beyond them is a slip of the unit or the exponent, and would end in numbers that are none.
 struct Range {
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
@@ -33,17 +34,15 @@ struct Range {
     bool holds(double value) const;
     /// "must be greater than 0", "must be 1 … 20" …
     std::string words() const;
-    /// "> 0", "1 … 20" …; "" where every number is good.
+    /// "> 0", "1 … 20", "±100" …; "" where every number is good.
     std::string brief() const;
     /// "is -1 m; must be greater than 0 m".
     std::string refusal(double value, const std::string& unit) const;
 };
 inline constexpr Range any{};
-constexpr Range above(double low, const char* remark = "") {
-    return {.low = low, .above = true, .remark = remark};
-}
-constexpr Range at_least(double low) {
-    return {.low = low};
+/// Greater than `low`.
+constexpr Range above(double low, double high, const char* remark = "") {
+    return {.low = low, .high = high, .above = true, .remark = remark};
 }
 constexpr Range range(double low, double high) {
     return {.low = low, .high = high};
@@ -51,10 +50,31 @@ constexpr Range range(double low, double high) {
 constexpr Range between(double low, double high, const char* remark = "") {
     return {.low = low, .high = high, .above = true, .below = true, .remark = remark};
 }
+constexpr Range within(double bound) {
+    return {.low = -bound, .high = bound};
+}
 constexpr Range or_none(Range r) {
     r.zero_is_none = true;
     return r;
 }
+
+/// What many keys share.
+namespace ranges {
+inline constexpr Range place = within(1e6);            ///< a coordinate or a way [m]
+inline constexpr Range direction = within(1e6);        ///< a part of a vector of any length
+inline constexpr Range turn = within(1e6);             ///< an angle or a rate of turning [degree], [degree/s]
+inline constexpr Range velocity = within(1e4);         ///< [m/s]
+inline constexpr Range speed = range(0.0, 1e4);        ///< [m/s]
+inline constexpr Range length = range(1e-6, 1e6);      ///< of a thing [m]
+inline constexpr Range gap = range(1e-9, 1e3);         ///< a thickness [m]
+inline constexpr Range distance = range(0.0, 1e6);     ///< [m]
+inline constexpr Range moment = range(0.0, 1e9);       ///< of time [s]
+inline constexpr Range duration = range(1e-9, 1e9);    ///< [s]
+inline constexpr Range modulus = range(1e-6, 1e15);    ///< [Pa]
+inline constexpr Range rigidity = range(0.0, 1e9);     ///< of bending [N m]
+inline constexpr Range stiffness = range(1e-9, 1e15);  ///< of a spring [N/m]
+inline constexpr Range coefficient = range(0.0, 1e3);
+}  // namespace ranges
 
 /// A number as messages show it: whole ones in full, others by six digits.
 std::string number_text(double value);
@@ -71,6 +91,13 @@ void for_each_number(const T& value, F&& f) {
     } else {
         for (const auto& each : value) for_each_number(each, f);
     }
+}
+
+template <class F>
+void for_each_number(const DragDesc::Key& key, F&& f) {
+    f(key.time);
+    f(key.pixel.x());
+    f(key.pixel.y());
 }
 
 // ---------------------------------------------------------------- names
@@ -91,6 +118,11 @@ inline constexpr EnumName<BendingKind> bending_names[] = {{BendingKind::quadrati
 inline constexpr EnumName<Diagonals> diagonal_names[] = {{Diagonals::uniform, "uniform"},
                                                          {Diagonals::mirrored, "mirrored"},
                                                          {Diagonals::alternating, "alternating"}};
+inline constexpr EnumName<LengthUnit> length_names[] = {{LengthUnit::metre, "m"},
+                                                        {LengthUnit::centimetre, "cm"},
+                                                        {LengthUnit::millimetre, "mm"},
+                                                        {LengthUnit::inch, "in"},
+                                                        {LengthUnit::foot, "ft"}};
 inline constexpr EnumName<Shape> shape_names[] = {{Shape::sphere, "sphere"},     {Shape::plane, "plane"},
                                                   {Shape::box, "box"},           {Shape::capsule, "capsule"},
                                                   {Shape::cylinder, "cylinder"}, {Shape::mesh, "mesh"}};
@@ -116,6 +148,9 @@ constexpr std::span<const EnumName<BendingKind>> names_of(BendingKind) {
 }
 constexpr std::span<const EnumName<Diagonals>> names_of(Diagonals) {
     return diagonal_names;
+}
+constexpr std::span<const EnumName<LengthUnit>> names_of(LengthUnit) {
+    return length_names;
 }
 constexpr std::span<const EnumName<Shape>> names_of(Shape) {
     return shape_names;
@@ -175,25 +210,26 @@ struct IntegratorChange {
 
 template <class V>
 void describe(V& v, SimulationDesc& s) {
-    v("gravity", s.gravity, "m/s²", any, "acceleration");
-    v("frame_rate", s.frame_rate, "1/s", Range{.low = 0.0, .high = 1e6, .above = true},
-      "frame k stands at time k / frame_rate");
-    v("time_step", s.time_step, "s", above(0.0), "longest step; a frame is cut into the fewest equal ones");
+    v("gravity", s.gravity, "m/s²", within(1e4), "acceleration");
+    v("frame_rate", s.frame_rate, "1/s", range(1e-3, 1e6), "frame k stands at time k / frame_rate");
+    v("time_step", s.time_step, "s", range(1e-9, 1e3),
+      "longest step; a frame is cut into the fewest equal ones");
     v("substeps", s.substeps, "", range(1, 1e6), "steps per frame, instead of time_step");
     v("integrator", s.integrator, "how a step is made");
     v("hessian", s.hessian, "of linearly_implicit_euler");
     v("contact", s.contact, "how cloth meets colliders");
-    v("contact_stiffness", s.contact_stiffness, "N/m", above(0.0), "of contact = \"penalty\", per vertex");
-    v("sliding_speed", s.sliding_speed, "m/s", above(0.0),
+    v("contact_stiffness", s.contact_stiffness, "N/m", range(1e-9, 1e15),
+      "of contact = \"penalty\", per vertex");
+    v("sliding_speed", s.sliding_speed, "m/s", range(1e-9, 1e4),
       "friction is in full force above it; default: 1e-3 with penalty, 1e-4 with barrier");
-    v("contact_activation", s.contact_activation, "m", above(0.0),
+    v("contact_activation", s.contact_activation, "m", ranges::gap,
       "of contact = \"barrier\": gap at which repulsion begins; default: the least contact_thickness that a "
       "cloth here has by default");
-    v("newton_iterations", s.newton_iterations, "", at_least(1),
+    v("newton_iterations", s.newton_iterations, "", range(1, 1e6),
       "most of one solve; of all but linearly_implicit_euler");
     v("newton_tolerance", s.newton_tolerance, "", between(0.0, 1.0),
       "residual at which a solve stops, against the step's start");
-    v("newton_speed", s.newton_speed, "m/s", at_least(0.0),
+    v("newton_speed", s.newton_speed, "m/s", ranges::speed,
       "of contact = \"barrier\": a solve stops as well where its last step moves no vertex faster, and the "
       "forces left no cloth's mean by a hundredth of it; 0: by newton_tolerance alone");
     v("retries", s.retries, "", range(0, 20), "times that a step which does not converge is halved");
@@ -201,104 +237,108 @@ void describe(V& v, SimulationDesc& s) {
 
 template <class V>
 void describe(V& v, AirDesc& a) {
-    v("density", a.density, "kg/m³", above(0.0), "of the air");
-    v("drag", a.drag, "", at_least(0.0), "coefficient of a triangle's projected area; 0: no air");
-    v("lift", a.lift, "", at_least(0.0), "coefficient, at most drag");
-    v("wind", a.wind, "m/s", any, "mean");
-    v("gusts", a.gusts, "m/s", at_least(0.0), "root mean square of each component");
-    v("gust_length", a.gust_length, "m", above(0.0), "longest wave of the gusts");
+    v("density", a.density, "kg/m³", range(1e-6, 1e6), "of the air");
+    v("drag", a.drag, "", ranges::coefficient, "coefficient of a triangle's projected area; 0: no air");
+    v("lift", a.lift, "", ranges::coefficient, "coefficient, at most drag");
+    v("wind", a.wind, "m/s", ranges::velocity, "mean");
+    v("gusts", a.gusts, "m/s", ranges::speed, "root mean square of each component");
+    v("gust_length", a.gust_length, "m", range(1e-3, 1e6), "longest wave of the gusts");
     v("seed", a.seed, "", range(0, 4294967295.0), "of the gusts");
 }
 
 template <class V>
 void describe(V& v, Fabric& f) {
     v("name", f.name, "what lists call it");
-    v("density", f.density, "kg/m²", above(0.0), "mass per area");
-    v("thickness", f.thickness, "m", above(0.0), "multiplies the membrane's moduli");
+    v("density", f.density, "kg/m²", range(1e-6, 1e6), "mass per area");
+    v("thickness", f.thickness, "m", ranges::gap, "multiplies the membrane's moduli");
     v("membrane", f.membrane, "resistance in the plane");
     v.when(!f.mu, [&] {
-        v("young_modulus", f.young_modulus, "Pa", above(0.0),
+        v("young_modulus", f.young_modulus, "Pa", ranges::modulus,
           "in-plane; of st_venant_kirchhoff along the warp");
         v("poisson_ratio", f.poisson_ratio, "", between(-1.0, 1.0, " (plane stress)"),
           "in-plane, plane stress; weft's shortening over warp's stretch");
     });
-    v("young_weft", f.young_weft, "Pa", above(0.0),
+    v("young_weft", f.young_weft, "Pa", ranges::modulus,
       "of st_venant_kirchhoff, along the weft; default: as young_modulus");
-    v("shear_modulus", f.shear_modulus, "Pa", above(0.0),
+    v("shear_modulus", f.shear_modulus, "Pa", ranges::modulus,
       "of st_venant_kirchhoff, of warp against weft; default: as isotropic");
-    v("mu", f.mu, "Pa", above(0.0),
+    v("mu", f.mu, "Pa", ranges::modulus,
       "handed to the membrane as it is, with lambda, instead of the moduli above");
-    v("lambda", f.lambda, "Pa", any, "see mu");
-    v("strain_limit", f.strain_limit, "", or_none(above(1.0, ", a stretch such as 1.05")),
+    v("lambda", f.lambda, "Pa", within(1e15), "see mu");
+    v("strain_limit", f.strain_limit, "", or_none(above(1.0, 1e3, ", a stretch such as 1.05")),
       "stretch that no triangle reaches; 0: none");
     v("bending_model", f.bending_model, "resistance to bending");
-    v("bending", f.bending, "N m", at_least(0.0), "bending rigidity along the warp");
-    v("bending_weft", f.bending_weft, "N m", at_least(0.0), "along the weft; default: as bending");
-    v("bending_bias", f.bending_bias, "N m", at_least(0.0), "at 45 degrees; default: between warp and weft");
-    v("yield_curvature", f.yield_curvature, "1/m", or_none(above(0.0)),
+    v("bending", f.bending, "N m", ranges::rigidity, "bending rigidity along the warp");
+    v("bending_weft", f.bending_weft, "N m", ranges::rigidity, "along the weft; default: as bending");
+    v("bending_bias", f.bending_bias, "N m", ranges::rigidity,
+      "at 45 degrees; default: between warp and weft");
+    v("yield_curvature", f.yield_curvature, "1/m", or_none(range(1e-6, 1e9)),
       "of hinges: a sharper fold stays in part; 0: elastic");
-    v("membrane_damping", f.membrane_damping, "s", at_least(0.0),
+    v("membrane_damping", f.membrane_damping, "s", range(0.0, 1e6),
       "viscous stress over stiffness times strain rate");
-    v("bending_damping", f.bending_damping, "s", at_least(0.0),
+    v("bending_damping", f.bending_damping, "s", range(0.0, 1e6),
       "viscous moment over rigidity times curvature rate");
-    v("friction", f.friction, "", at_least(0.0), "Coulomb coefficient");
+    v("friction", f.friction, "", ranges::coefficient, "Coulomb coefficient");
 }
 
 template <class V>
 void describe(V& v, ClothDesc& c) {
     v("name", c.name, "by which pins refer to it");
     v.when(c.rest_grid() != nullptr, [&] {
-        v("size", c.grid.size, "m", above(0.0), "of a grid: [along x, along y]");
+        v("size", c.grid.size, "m", ranges::length, "of a grid: [along x, along y]");
         v("resolution", c.grid.resolution, "vertices", range(2, 4096),
           "of a grid: per side, one number or [along x, along y]");
         v("diagonals", c.grid.diagonals, "of a grid: how squares are cut");
     });
-    v("radius", inside(c.disc, &Disc::radius), "m", above(0.0), "of a disc, instead of a grid");
+    v("radius", inside(c.disc, &Disc::radius), "m", ranges::length, "of a disc, instead of a grid");
     v("rings", inside(c.disc, &Disc::rings), "", range(1, 1000),
       "of a disc: rings of vertices around the middle one");
     v("mesh", c.mesh, "rest shape, instead of a grid or disc");
     v("pose", c.pose, "mesh of the start positions; default: the rest shape");
-    v("scale", c.transform.scale, "", above(0.0), "of the start pose");
-    v("rotate", c.transform.rotate, "degree", any, "of the start pose, about fixed x, then y, then z");
-    v("translate", c.transform.translate, "m", any, "of the start pose, after scale and rotate");
-    v("velocity", c.velocity, "m/s", any, "at the start, of the free vertices");
-    v("bump", c.bump, "m", any, "height of a smooth out-of-plane offset of the start pose");
-    v("warp", c.warp, "", any, "direction of the warp on the rest shape");
-    v("contact_thickness", c.contact_thickness, "m", above(0.0),
+    v.when(c.mesh || c.pose, [&] { v("units", c.units, "of the coordinates in mesh and pose"); });
+    v.when(c.mesh.has_value(), [&] { v("weld", c.weld, "of a mesh: vertices at one place become one"); });
+    v("scale", c.transform.scale, "", range(1e-6, 1e6), "of the start pose");
+    v("rotate", c.transform.rotate, "degree", ranges::turn,
+      "of the start pose, about fixed x, then y, then z");
+    v("translate", c.transform.translate, "m", ranges::place, "of the start pose, after scale and rotate");
+    v("velocity", c.velocity, "m/s", ranges::velocity, "at the start, of the free vertices");
+    v("bump", c.bump, "m", ranges::place, "height of a smooth out-of-plane offset of the start pose");
+    v("warp", c.warp, "", ranges::direction, "direction of the warp on the rest shape");
+    v("contact_thickness", c.contact_thickness, "m", ranges::gap,
       "of contact = \"barrier\": of the sheet as others feel it; default: 1 mm, but at most a hundredth and "
-      "at "
-      "least a ten-thousandth of the diagonal of the rest shape's box");
+      "at least a ten-thousandth of the diagonal of the rest shape's box");
     v.table("fabric", c.fabric);
 }
 
 /// A key frame of a path; lists of them are one value.
 template <class V>
 void describe(V& v, MotionKey& k) {
-    v("time", k.time, "s", at_least(0.0), "");
-    v("translate", k.translate, "m", any, "");
-    v("rotate", k.rotate, "degree", any, "");
+    v("time", k.time, "s", ranges::moment, "");
+    v("translate", k.translate, "m", ranges::place, "");
+    v("rotate", k.rotate, "degree", ranges::turn, "");
 }
 
 template <class V>
 void describe(V& v, ColliderDesc& c) {
     v("name", c.name, "by which events refer to it");
     v("shape", c.shape, "of the collider");
-    v("center", c.center, "m", any, "where the shape's origin stands; a point on a plane");
-    v("normal", c.normal, "", any, "of a plane, outward");
-    v("radius", c.radius, "m", above(0.0), "of a sphere, capsule or cylinder, as drawn");
-    v("height", c.height, "m", above(0.0), "of a capsule's axis or a cylinder, along y");
-    v("size", c.size, "m", above(0.0), "of a box");
+    v("center", c.center, "m", ranges::place, "where the shape's origin stands; a point on a plane");
+    v("normal", c.normal, "", ranges::direction, "of a plane, outward");
+    v("radius", c.radius, "m", ranges::length, "of a sphere, capsule or cylinder, as drawn");
+    v("height", c.height, "m", ranges::length, "of a capsule's axis or a cylinder, along y");
+    v("size", c.size, "m", ranges::length, "of a box");
     v("mesh", c.mesh, "of shape = \"mesh\"; open or closed");
-    v("scale", c.scale, "", above(0.0), "of a mesh");
-    v("rotate", c.rotate, "degree", any,
+    v.when(c.mesh.has_value(), [&] { v("units", c.units, "of the coordinates in mesh"); });
+    v("scale", c.scale, "", range(1e-6, 1e6), "of a mesh");
+    v("rotate", c.rotate, "degree", ranges::turn,
       "of a box, capsule, cylinder or mesh, about fixed x, then y, then z");
     v("path", c.path, "in s, m, degree: moves it; about center");
-    v("spin", c.spin, "degree/s", any, "steady turn about center: axis times rate");
-    v("contact_offset", c.contact_offset, "m", at_least(0.0),
+    v("spin", c.spin, "degree/s", ranges::turn, "steady turn about center: axis times rate");
+    v("contact_offset", c.contact_offset, "m", ranges::distance,
       "contact begins this far outside the drawn surface");
-    v("contact_radius", c.contact_radius, "m", above(0.0),
+    v("contact_radius", c.contact_radius, "m", ranges::length,
       "of a sphere: contact begins here, instead of contact_offset");
-    v("friction", c.friction, "", at_least(0.0), "Coulomb coefficient");
+    v("friction", c.friction, "", ranges::coefficient, "Coulomb coefficient");
     v("enabled", c.enabled, "whether it is on at the start");
     v("drawn", c.drawn, "whether pictures show it (while it is on)");
     v("touchable", c.touchable, "whether cloth feels it; false: only drawn");
@@ -306,13 +346,14 @@ void describe(V& v, ColliderDesc& c) {
 
 template <class V>
 void describe(V& v, VertexSelection& s) {
-    v.when(!s.vertices.empty(),
-           [&] { v("vertices", s.vertices, "", at_least(0), "indices into the cloth's vertices"); });
-    v("box", s.box, "m", any, "lower and upper corner, start pose");
-    v("nearest", s.nearest, "m", any, "the vertex nearest this point of the start pose");
+    v.when(!s.vertices.empty(), [&] {
+        v("vertices", s.vertices, "", range(0, 2147483647.0), "indices into the cloth's vertices");
+    });
+    v("box", s.box, "m", ranges::place, "lower and upper corner, start pose");
+    v("nearest", s.nearest, "m", ranges::place, "the vertex nearest this point of the start pose");
     v("greatest", s.greatest, directions, "the vertices furthest that way");
     v("edge", s.edge, grid_edges, "of a grid");
-    v("tolerance", s.tolerance, "m", at_least(0.0), "of greatest");
+    v("tolerance", s.tolerance, "m", ranges::distance, "of greatest");
 }
 
 template <class V>
@@ -320,8 +361,8 @@ void describe(V& v, PinDesc& p) {
     v("cloth", Reference{Listed::cloth, &p.cloth}, "that it holds");
     describe(v, static_cast<VertexSelection&>(p));
     v("path", p.path, "in s, m, degree: moves the vertices");
-    v("center", p.center, "m", any, "of rotate; default: the mean of the vertices");
-    v("until", p.until, "s", above(0.0), "lets go then; default: never");
+    v("center", p.center, "m", ranges::place, "of rotate; default: the mean of the vertices");
+    v("until", p.until, "s", ranges::duration, "lets go then; default: never");
 }
 
 template <class V>
@@ -333,9 +374,9 @@ void describe(V& v, SeamDesc::Side& s) {
 template <class V>
 void describe(V& v, SeamDesc& s) {
     v("reverse", s.reverse, "the second side in the opposite order");
-    v("begin", s.begin, "s", at_least(0.0), "closing starts");
-    v("close_time", s.close_time, "s", above(0.0), "from the start distance to none");
-    v("stiffness", s.stiffness, "N/m", above(0.0), "of each spring");
+    v("begin", s.begin, "s", ranges::moment, "closing starts");
+    v("close_time", s.close_time, "s", ranges::duration, "from the start distance to none");
+    v("stiffness", s.stiffness, "N/m", ranges::stiffness, "of each spring");
     v.table("first", s.sides[0]);
     v.table("second", s.sides[1]);
 }
@@ -343,15 +384,16 @@ void describe(V& v, SeamDesc& s) {
 /// The camera that the pixels look through is the scene's.
 template <class V>
 void describe(V& v, DragDesc& d) {
-    v("path", d.path, "[[time, x, y], …] in s, pixel: pressed at the first, let go at the last");
-    v("radius", d.radius, "m", at_least(0.0), "vertices this near the picked one are picked too");
-    v("stiffness", d.stiffness, "N/m", above(0.0), "of each spring");
-    v("viewport", d.viewport, "pixel", above(0.0), "the window that the pixels refer to");
+    v("path", d.path, "", within(1e6),
+      "[[time, x, y], …] in s, pixel: pressed at the first, let go at the last");
+    v("radius", d.radius, "m", ranges::distance, "vertices this near the picked one are picked too");
+    v("stiffness", d.stiffness, "N/m", ranges::stiffness, "of each spring");
+    v("viewport", d.viewport, "pixel", range(1.0, 1e6), "the window that the pixels refer to");
 }
 
 template <class V>
 void describe(V& v, EventDesc& e) {
-    v("time", e.time, "s", at_least(0.0), "acts from the first step that starts then");
+    v("time", e.time, "s", ranges::moment, "acts from the first step that starts then");
     v("collider", Reference{Listed::collider, nullptr, &e.collider}, "the collider that is switched");
     v.when(e.collider.has_value(), [&] { v("action", e.action, "on the collider; default: toggle"); });
     v("integrator", IntegratorChange{e.toggle_integrator, e.integrator},

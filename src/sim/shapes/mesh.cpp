@@ -16,7 +16,7 @@ double distance_from(const Box& box, const Vec3& p) {
 class MeshShape final : public ColliderShape {
   public:
     explicit MeshShape(const ColliderDesc& c)
-        : mesh_(placed(*c.mesh, c.center, rotation_matrix(c.rotate), c.scale)),
+        : mesh_(placed(*c.mesh, c.center, rotation_matrix(c.rotate), c.scale * length_of(c.units))),
           offset_(c.contact_offset),
           tree_(centres(mesh_)),
           boxes_(tree_.nodes.size()) {

@@ -98,6 +98,13 @@ TEST_CASE("a mesh that is no cloth is refused with the reason", "[mesh]") {
                    m.positions.row(3) << 5, 5, 5;
                }),
                Contains("vertex 3") && Contains("no triangle"));
+    CHECK_THAT(mesh_refusal([](MeshData& m) {
+                   m.positions.conservativeResize(4, 3);
+                   m.positions.row(3) << 1, 1, 0;
+                   m.triangles.resize(2, 3);
+                   m.triangles << 0, 1, 2, 1, 2, 3;
+               }),
+               Contains("vertices 1 and 2") && Contains("face opposite ways"));
 }
 
 TEST_CASE("a scene that makes no sense is refused with key, value, range and unit", "[scene]") {
@@ -107,44 +114,48 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
     const Spoiled cases[] = {
         {"cloth", "no [[cloth]]", [](Scene& s) { s.cloths.clear(); }},
         {"simulation.gravity", "finite", [&](Scene& s) { s.simulation.gravity.x() = inf; }},
-        {"simulation.frame_rate", "is 0; must be greater than 0 and at most 1000000 1/s",
+        {"simulation.frame_rate", "is 0; must be 0.001 … 1000000 1/s",
          [](Scene& s) { s.simulation.frame_rate = 0; }},
-        {"simulation.frame_rate", "at most 1000000 1/s", [](Scene& s) { s.simulation.frame_rate = 1e7; }},
-        {"simulation.time_step", "is -0.1; must be greater than 0 s",
+        {"simulation.frame_rate", "must be 0.001 … 1000000 1/s",
+         [](Scene& s) { s.simulation.frame_rate = 1e7; }},
+        {"simulation.time_step", "is -0.1; must be 1e-9 … 1000 s",
          [](Scene& s) { s.simulation.time_step = -0.1; }},
-        {"simulation.time_step", "million steps", [](Scene& s) { s.simulation.time_step = 1e-12; }},
+        {"simulation.time_step", "million steps", [](Scene& s) { s.simulation.time_step = 1e-9; }},
         {"simulation.time_step", "give one of the two",
          [](Scene& s) {
              s.simulation.time_step = 0.1;
              s.simulation.substeps = 2;
          }},
         {"simulation.substeps", "is 0; must be 1", [](Scene& s) { s.simulation.substeps = 0; }},
-        {"simulation.newton_iterations", "at least 1", [](Scene& s) { s.simulation.newton_iterations = 0; }},
+        {"simulation.newton_iterations", "is 0; must be 1 … 1000000",
+         [](Scene& s) { s.simulation.newton_iterations = 0; }},
         {"simulation.newton_tolerance", "between 0 and 1",
          [](Scene& s) { s.simulation.newton_tolerance = 1.0; }},
-        {"simulation.newton_speed", "at least 0 m/s", [](Scene& s) { s.simulation.newton_speed = -1.0; }},
-        {"cloth[0].size", "greater than 0 m", [](Scene& s) { s.cloths[0].grid.size.y() = -1; }},
+        {"simulation.newton_speed", "must be 0 … 10000 m/s",
+         [](Scene& s) { s.simulation.newton_speed = -1.0; }},
+        {"cloth[0].size", "is -1; must be 1e-6 … 1000000 m",
+         [](Scene& s) { s.cloths[0].grid.size.y() = -1; }},
         {"cloth[0].resolution", "is 1; must be 2 … 4096",
          [](Scene& s) { s.cloths[0].grid.resolution[1] = 1; }},
         {"cloth[0].pose", "has 1 vertices; the rest shape has 400",
          [](Scene& s) { s.cloths[0].pose = Points::Zero(1, 3); }},
         {"cloth[0].pose", "not finite", [&](Scene& s) { s.cloths[0].pose = Points::Constant(400, 3, nan); }},
-        {"cloth[0].scale", "greater than 0", [](Scene& s) { s.cloths[0].transform.scale = 0; }},
+        {"cloth[0].scale", "is 0; must be 1e-6 … 1000000", [](Scene& s) { s.cloths[0].transform.scale = 0; }},
         {"cloth[0].rotate", "finite", [&](Scene& s) { s.cloths[0].transform.rotate.x() = nan; }},
         {"cloth[0].translate", "finite", [&](Scene& s) { s.cloths[0].transform.translate.x() = nan; }},
         {"cloth[0].velocity", "finite", [&](Scene& s) { s.cloths[0].velocity.x() = inf; }},
         {"cloth[0].bump", "finite", [&](Scene& s) { s.cloths[0].bump = inf; }},
-        {"cloth[0].fabric.density", "is 0; must be greater than 0 kg/m²",
+        {"cloth[0].fabric.density", "is 0; must be 1e-6 … 1000000 kg/m²",
          [](Scene& s) { s.cloths[0].fabric.density = 0; }},
-        {"cloth[0].fabric.thickness", "greater than 0 m",
+        {"cloth[0].fabric.thickness", "is -1; must be 1e-9 … 1000 m",
          [](Scene& s) { s.cloths[0].fabric.thickness = -1; }},
-        {"cloth[0].fabric.young_modulus", "greater than 0 Pa",
+        {"cloth[0].fabric.young_modulus", "is nan, not finite; must be 1e-6 … 1e15 Pa",
          [&](Scene& s) { s.cloths[0].fabric.young_modulus = nan; }},
         {"cloth[0].fabric.poisson_ratio", "is 1; must lie between -1 and 1",
          [](Scene& s) { s.cloths[0].fabric.poisson_ratio = 1; }},
         {"cloth[0].fabric.mu", "together", [](Scene& s) { s.cloths[0].fabric.mu = 1.0; }},
         {"cloth[0].fabric.lambda", "together", [](Scene& s) { s.cloths[0].fabric.lambda = 1.0; }},
-        {"cloth[0].fabric.mu", "greater than 0 Pa",
+        {"cloth[0].fabric.mu", "is -1; must be 1e-6 … 1e15 Pa",
          [](Scene& s) {
              s.cloths[0].fabric.mu = -1.0;
              s.cloths[0].fabric.lambda = 1.0;
@@ -160,9 +171,10 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
              s.colliders[0].shape = Shape::plane;
              s.colliders[0].normal.setZero();
          }},
-        {"collider[0].radius", "greater than 0 m", [](Scene& s) { s.colliders[0].radius = 0; }},
-        {"collider[0].contact_offset", "at least 0 m", [](Scene& s) { s.colliders[0].contact_offset = -1; }},
-        {"collider[0].contact_radius", "greater than 0 m",
+        {"collider[0].radius", "is 0; must be 1e-6 … 1000000 m", [](Scene& s) { s.colliders[0].radius = 0; }},
+        {"collider[0].contact_offset", "is -1; must be 0 … 1000000 m",
+         [](Scene& s) { s.colliders[0].contact_offset = -1; }},
+        {"collider[0].contact_radius", "is 0; must be 1e-6 … 1000000 m",
          [](Scene& s) { s.colliders[0].contact_radius = 0; }},
         {"collider[0].contact_radius", "give one of the two",
          [](Scene& s) {
@@ -179,7 +191,7 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
              s.colliders[0].shape = Shape::plane;
              s.colliders[0].contact_radius = 0.2;
          }},
-        {"collider[0].friction", "is -0.1; must be at least 0",
+        {"collider[0].friction", "is -0.1; must be 0 … 1000",
          [](Scene& s) { s.colliders[0].friction = -0.1; }},
         {"pin[0].cloth", "no such cloth", [](Scene& s) { s.pins[0].cloth = 3; }},
         {"pin[0]", "exactly one of", [](Scene& s) { s.pins[0].greatest = "y"; }},
@@ -194,15 +206,16 @@ TEST_CASE("a scene that makes no sense is refused with key, value, range and uni
              s.pins[0].vertices.clear();
              s.pins[0].greatest = "up";
          }},
-        {"pin[0].tolerance", "at least 0 m", [](Scene& s) { s.pins[0].tolerance = -1; }},
+        {"pin[0].tolerance", "is -1; must be 0 … 1000000 m", [](Scene& s) { s.pins[0].tolerance = -1; }},
         {"drag[0].path", "at least two keys", [](Scene& s) { s.drags[0].path.resize(1); }},
         {"drag[0].path", "do not increase", [](Scene& s) { s.drags[0].path[1].time = 0.0; }},
         {"drag[0].path", "finite", [&](Scene& s) { s.drags[0].path[1].pixel.x() = nan; }},
         {"drag[0].path", "at least 0 s", [](Scene& s) { s.drags[0].path[0].time = -1.0; }},
-        {"drag[0].radius", "at least 0 m", [](Scene& s) { s.drags[0].radius = -1; }},
-        {"drag[0].stiffness", "greater than 0 N/m", [](Scene& s) { s.drags[0].stiffness = 0; }},
-        {"drag[0].viewport", "greater than 0 pixel", [](Scene& s) { s.drags[0].viewport.x() = 0; }},
-        {"event[0].time", "at least 0 s", [](Scene& s) { s.events[0].time = -1; }},
+        {"drag[0].radius", "is -1; must be 0 … 1000000 m", [](Scene& s) { s.drags[0].radius = -1; }},
+        {"drag[0].stiffness", "is 0; must be 1e-9 … 1e15 N/m", [](Scene& s) { s.drags[0].stiffness = 0; }},
+        {"drag[0].viewport", "is 0; must be 1 … 1000000 pixel",
+         [](Scene& s) { s.drags[0].viewport.x() = 0; }},
+        {"event[0].time", "is -1; must be 0 … 1e9 s", [](Scene& s) { s.events[0].time = -1; }},
         {"event[0].collider", "no such collider", [](Scene& s) { s.events[0].collider = 1; }},
         {"event[0]", "either a collider or an integrator",
          [](Scene& s) { s.events[0].toggle_integrator = true; }},
