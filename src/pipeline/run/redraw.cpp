@@ -4,11 +4,13 @@
 #include <optional>
 #include <utility>
 
+#include "base/memory.h"
 #include "base/stopwatch.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/video.h"
 #include "pipeline/run/draw.h"
 #include "pipeline/run/run.h"
+#include "pipeline/scene_file/memory_need.h"
 #include "render/image/image.h"
 
 namespace cloth::pipeline {
@@ -52,6 +54,7 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
     RunFolder::open(out);
     const RunFolder locked = RunFolder::create(out);
     const KeptRun run = open_run(out, overrides);
+    require_memory(picture_need(run.file), available_memory());
     const std::vector<std::int64_t> frames = kept_frames(run.folder, span);
     RunSummary summary = planned(run.file, static_cast<std::int64_t>(frames.size()));
     if (options.movie) summary.encoder = ffmpeg_version(options.stop);

@@ -77,7 +77,7 @@ Json read_json(const RunFolder& folder) {
 }
 
 void write_json(const RunFolder& folder, const Json& json) {
-    // What is no UTF-8 (a folder's name in an outcome) is replaced.
+    // Messages name files, whose names may be any bytes.
     write_file(folder.report(), json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

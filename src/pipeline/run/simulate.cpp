@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 
+#include "base/memory.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/state_store.h"
 #include "pipeline/formats/video.h"
 #include "pipeline/picture/overlap_picture.h"
 #include "pipeline/run/draw.h"
 #include "pipeline/run/run.h"
+#include "pipeline/scene_file/memory_need.h"
 #include "sim/simulation.h"
 
 namespace cloth::pipeline {
@@ -179,6 +181,14 @@ std::exception_ptr make_frames(Simulation& simulation, const SceneFile& file, co
 RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOptions& options) {
     // What can be refused is refused first.
     if (file.output.frames < 1) throw Error(ExitCode::usage, "a run needs at least one frame");
+    MemoryNeed need = simulation_need(file.scene);
+    require_memory(need, available_memory());
+    if (options.pictures) {
+        const MemoryNeed pictures = picture_need(file);
+        if (pictures.bytes > need.bytes) need.key = pictures.key;
+        need.bytes += pictures.bytes;
+        require_memory(need, available_memory());
+    }
     require_place(out, file);
     RunSummary summary = planned(file, file.output.frames);
     if (options.pictures && options.movie) summary.encoder = ffmpeg_version(options.stop);

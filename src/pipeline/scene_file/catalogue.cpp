@@ -36,8 +36,11 @@ std::string read_text(const fs::path& path) {
     if (!file) refuse_scene(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(errno)));
     std::string text;
     char buffer[65536];
-    for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;) text.append(buffer, n);
+    constexpr std::size_t most = std::size_t{1} << 26;  // a device may never end
+    for (std::size_t n; text.size() <= most && (n = std::fread(buffer, 1, sizeof buffer, file)) > 0;)
+        text.append(buffer, n);
     std::fclose(file);
+    if (text.size() > most) refuse_scene(path.string() + ": is larger than 64 MB, which no scene is");
     return text;
 }
 

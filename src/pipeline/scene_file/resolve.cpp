@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <set>
 
+#include "base/memory.h"
 #include "base/portable_math.h"
 #include "pipeline/formats/error.h"
+#include "pipeline/scene_file/memory_need.h"
 #include "pipeline/scene_file/read_scene.h"
 #include "pipeline/scene_file/tables.h"
 #include "sim/model.h"
@@ -210,6 +212,7 @@ void resolve(Reader& reader, SceneFile& file) {
     check_pictures(reader, file);
     look_through(file.camera, file.scene.drags);
     try {
+        require_memory(reading_need(file.scene), available_memory());
         const std::vector<MeshData> rest = checked_rest_shapes(file.scene);
         settle_lengths(file, rest);
         check_scene(file.scene, rest, (file.output.frames - 1) / file.scene.simulation.frame_rate);
