@@ -66,6 +66,25 @@ TEST_CASE("barrier contact passes the battery", "[contact][energy]") {
     }
 }
 
+TEST_CASE("what lies at one place at rest keeps its whole contact", "[contact]") {
+    // Two triangles of one cloth cut from the same place of it: apart, or joined in a corner.
+    const std::vector<Placement> none;
+    for (const bool joined : {false, true}) {
+        CAPTURE(joined);
+        ContactSystem s = two_triangles(0.01);
+        s.mesh = {};
+        s.mesh.add_body({false, 0, 0.01}, 6, {{0, 1, 2}, {joined ? 0 : 3, 4, 5}});
+        CHECK(s.mesh.vertex_piece ==
+              (joined ? std::vector{0, 0, 0, 3, 0, 0} : std::vector{0, 0, 0, 3, 3, 3}));
+        s.friction = {0.0};
+        ContactSet set(s);
+        const VecX x = positions({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 0.05, 0}, {1, 0.05, 0}, {0, 0.05, 1}});
+        set.begin(x, x, 0.01, none, none, {});
+        CHECK(contact_count(set, x) > 0);
+        CHECK(smallest_gap(set, x) == Approx(0.05 - 0.02));
+    }
+}
+
 TEST_CASE("friction between cloths and with colliders passes the battery", "[contact][energy]") {
     for (double speed : {5.0, 0.04}) {  // at rest and sliding
         ContactSystem s = two_triangles(0.01);
