@@ -172,6 +172,6 @@ TEST_CASE("units are those of mesh and pose", "[mesh_repair]") {
     CHECK(rest_shape(cloth).positions.isApprox(make_grid({.resolution = {3, 3}}).positions, 1e-15));
     cloth.pose = cloth.mesh->positions;
     CHECK(start_positions(cloth, rest_shape(cloth)) == rest_shape(cloth).positions);
-    CHECK(length_of(LengthUnit::foot) == 12 * length_of(LengthUnit::inch));
+    CHECK(length_of(LengthUnit::foot) == Approx(12 * length_of(LengthUnit::inch)).epsilon(1e-15));
     CHECK(length_of(LengthUnit::metre) == 1000 * length_of(LengthUnit::millimetre));
 }
