@@ -295,8 +295,9 @@ void describe(V& v, ClothDesc& c) {
       "of a disc: rings of vertices around the middle one");
     v("mesh", c.mesh, "rest shape, instead of a grid or disc");
     v("pose", c.pose, "mesh of the start positions; default: the rest shape");
-    v.when(c.mesh || c.pose, [&] { v("units", c.units, "of the coordinates in mesh and pose"); });
-    v.when(c.mesh.has_value(), [&] { v("weld", c.weld, "of a mesh: vertices at one place become one"); });
+    v.when(c.mesh || c.pose, [&] { v("units", c.units, "of the coordinates in mesh and pose; default: m"); });
+    v.when(c.mesh.has_value(),
+           [&] { v("weld", c.weld, "of a mesh: vertices at one place become one; default: true"); });
     v("scale", c.transform.scale, "", range(1e-6, 1e6), "of the start pose");
     v("rotate", c.transform.rotate, "degree", ranges::turn,
       "of the start pose, about fixed x, then y, then z");
@@ -328,7 +329,7 @@ void describe(V& v, ColliderDesc& c) {
     v("height", c.height, "m", ranges::length, "of a capsule's axis or a cylinder, along y");
     v("size", c.size, "m", ranges::length, "of a box");
     v("mesh", c.mesh, "of shape = \"mesh\"; open or closed");
-    v.when(c.mesh.has_value(), [&] { v("units", c.units, "of the coordinates in mesh"); });
+    v.when(c.mesh.has_value(), [&] { v("units", c.units, "of the coordinates in mesh; default: m"); });
     v("scale", c.scale, "", range(1e-6, 1e6), "of a mesh");
     v("rotate", c.rotate, "degree", ranges::turn,
       "of a box, capsule, cylinder or mesh, about fixed x, then y, then z");

@@ -67,7 +67,7 @@ TEST_CASE("a cut to a hole has two banks at one place", "[triangulate]") {
 TEST_CASE("stars of many corners are filled, in any plane and at any size", "[triangulate]") {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> radius(0.2, 1.0);
-    for (const int n : {5, 17, 200, 2000}) {
+    for (const int n : {5, 17, 200, 1000}) {
         std::vector<Vec3> star;
         for (int i = 0; i < n; ++i) {
             const double angle = 2.0 * 3.14159265358979 * i / n;
