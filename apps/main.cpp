@@ -12,6 +12,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "apps/cli/command_line.h"
 #include "apps/cli/signals.h"
@@ -42,12 +43,12 @@ void occupy_standard_streams() {
     ::_exit(static_cast<int>(ExitCode::other));
 }
 
-/// What was printed and could not be written; empty: all was. Where its reader went away, the program goes as
-/// one does.
-std::string standard_output_fault() {
-    errno = 0;
+/// Why what was printed is not written; empty: it is. `cause`: what went wrong while it was printed, if
+/// anything did. Where its reader went away, the program goes as one does.
+std::string standard_output_fault(int cause) {
+    errno = cause;
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
-    const int cause = errno;
+    cause = errno;
     if (cause == EPIPE) {
         std::signal(SIGPIPE, SIG_DFL);
         std::raise(SIGPIPE);
@@ -66,6 +67,7 @@ int main(int argc, char** argv) {
     cli::take_signals();
     ExitCode code = ExitCode::other;
     std::string line;
+    int cause = 0;
     try {
         const cli::Action work = cli::parse({argv + 1, argv + argc}, verbs::all());
         code = work();
@@ -80,10 +82,13 @@ int main(int argc, char** argv) {
         line = e.key.empty() ? e.what() : e.key + ": " + e.what();
     } catch (const std::bad_alloc&) {
         line = "out of memory";
+    } catch (const std::system_error& e) {
+        line = e.what();
+        cause = e.code().value();
     } catch (const std::exception& e) {
         line = e.what();
     }
-    if (const std::string fault = standard_output_fault(); !fault.empty()) {
+    if (const std::string fault = standard_output_fault(cause); !fault.empty()) {
         // What failed on the way for this reason says less.
         if (code == ExitCode::good || code == ExitCode::other) line = fault;
         if (code == ExitCode::good) code = ExitCode::other;

@@ -104,6 +104,7 @@ Started::~Started() {
 }
 
 void Started::send(int signal) const {
+    REQUIRE(pid_ > 0);  // it has not ended: kill() takes -1 for all processes there are
     kill(pid_, signal);
 }
 

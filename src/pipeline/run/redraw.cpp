@@ -51,7 +51,7 @@ void encode_pictures(const KeptRun& run, const std::vector<std::int64_t>& frames
 
 RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span, const Overrides& overrides,
                       const RunOptions& options) {
-    RunFolder::open(out);
+    RunFolder::open(out).read_manifest();
     const RunFolder locked = RunFolder::create(out);
     const KeptRun run = open_run(out, overrides);
     require_memory(picture_need(run.file), available_memory());
@@ -82,7 +82,7 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
 }
 
 RunSummary encode_run(const fs::path& out, const Overrides& overrides, const RunOptions& options) {
-    RunFolder::open(out);
+    RunFolder::open(out).read_manifest();
     const RunFolder locked = RunFolder::create(out);
     const KeptRun run = open_run(out, overrides);
     const std::vector<std::int64_t> frames = movie_frames(run);
