@@ -42,7 +42,7 @@ TEST_CASE("pictures are drawn again from kept states, without the scene and mesh
         CHECK(place.run("render --out moved --quiet --frames 2:4").code == 0);
         CHECK(pipeline::RunFolder::open(place / "moved").kept_images() == std::vector<std::int64_t>{2, 3});
         CHECK_FALSE(fs::exists(place / "moved/sheet.mp4"));
-        check_refusal(place.run("encode --out moved --quiet"), 1, {"pictures of 2 of the run's 4 frames"});
+        check_refusal(place.run("encode --out moved --quiet"), 1, {"pictures of 2 of its 4 frames"});
         CHECK(place.run("render --out moved --quiet --frames 0:2").code == 0);
         CHECK(slurp(place / "moved/sheet.mp4") == movie);
     }
