@@ -280,3 +280,25 @@ TEST_CASE("the physics is checked by name, with parameters, a table and plots", 
                   {"--resolution: Value 2 not in range 4 to 2000"});
     check_refusal(place.run("validate drape --fabric tweed"), 2, {"--fabric: tweed not in {cotton,"});
 }
+
+TEST_CASE("what was mended in a mesh is told once, kept in the report, and not done again", "[cli]") {
+    const Workplace place;
+    spit(place / "two.obj",
+         "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nv 0.1 0 0\nv 0.2 0 0\nv 0.2 0.1 0\nv 0.1 0.1 0\n"
+         "f 1 2 3 4\nf 5 8 7 6\n");
+    spit(place / "two.toml",
+         "version = 1\n[[cloth]]\nmesh = \"two.obj\"\n[[pin]]\nvertices = [7]\n[output]\nsize = [64, 48]\n");
+    const Outcome made = place.run("--scene two.toml --out o --frames 2 --quiet");
+    CHECK(made.code == 0);
+    for (const char* note :
+         {"render_cloth: note: cloth[0].mesh: ", "two.obj: 2 faces of more than three corners cut",
+          "two.obj: 2 doubled vertices joined", "two.obj: 2 triangles of 4 turned over"})
+        CHECK_THAT(made.err, Contains(note));
+    CHECK(report_of(place, "o")["notes"].size() == 3);
+    // The kept mesh is the mended one, and the kept pin has its number.
+    CHECK_THAT(slurp(place / "o/meshes/rest_000000.obj"), Contains("f 2 6 3\nf 2 5 6\n"));
+    CHECK_THAT(slurp(place / "o/scene.toml"), Contains("vertices = [2]"));
+    const Outcome redrawn = place.run("render --out o --quiet");
+    CHECK(redrawn.code == 0);
+    CHECK(redrawn.err.empty());
+}
