@@ -65,6 +65,14 @@ void check_seam(Reader& reader, const SeamDesc& seam, const std::string& key) {
 
 // ---------------------------------------------------------------- sizes
 
+/// Refuses coordinates beyond those that a scene may give.
+void check_reach(Reader& reader, const std::string& key, const Points& positions, double metres) {
+    const double reach = metres * positions.cwiseAbs().maxCoeff();
+    if (!(reach <= ranges::place.high))
+        reader.fail(key, fmt::format("has a vertex at {:.3g} m; must be within {} m of the origin", reach,
+                                     number_text(ranges::place.high)));
+}
+
 double extent(const Points& positions) {
     return (positions.colwise().maxCoeff() - positions.colwise().minCoeff()).norm();
 }
@@ -91,10 +99,18 @@ void mend_meshes(Reader& reader, SceneFile& file) {
     Scene& scene = file.scene;
     file.vertices_in_file.assign(scene.cloths.size(), {});
     std::vector<MeshRepair> repairs(scene.cloths.size());
+    for (std::size_t c = 0; c < scene.colliders.size(); ++c) {
+        const ColliderDesc& collider = scene.colliders[c];
+        if (collider.mesh)
+            check_reach(reader, entry("collider", c) + ".mesh", collider.mesh->positions,
+                        length_of(collider.units));
+    }
     for (std::size_t c = 0; c < scene.cloths.size(); ++c) {
         ClothDesc& cloth = scene.cloths[c];
-        if (!cloth.mesh) continue;
         const std::string key = entry("cloth", c);
+        if (cloth.mesh) check_reach(reader, key + ".mesh", cloth.mesh->positions, length_of(cloth.units));
+        if (cloth.pose) check_reach(reader, key + ".pose", *cloth.pose, length_of(cloth.units));
+        if (!cloth.mesh) continue;
         if (cloth.pose && cloth.pose->rows() != cloth.mesh->positions.rows())
             reader.fail(key + ".pose", fmt::format("has {} vertices; the rest shape has {}",
                                                    cloth.pose->rows(), cloth.mesh->positions.rows()));

@@ -94,7 +94,10 @@ std::vector<int> first_at_place(const MeshData& mesh, const Points* pose) {
     const int n = static_cast<int>(mesh.positions.rows());
     std::vector<int> first(static_cast<std::size_t>(n));
     std::iota(first.begin(), first.end(), 0);
-    if (!mesh.positions.allFinite() || (pose && (!pose->allFinite() || pose->rows() != n))) return first;
+    // Squares of what is absurdly far apart are no numbers.
+    const auto measurable = [](const Points& points) { return std::isfinite(size_of(points)); };
+    if (n == 0 || !measurable(mesh.positions)) return first;
+    if (pose && (pose->rows() != n || !measurable(*pose))) return first;
     Places places(mesh.positions, one_place(mesh.positions, mesh.triangles));
     const double pose_reach = pose ? one_place(*pose, mesh.triangles) : 0.0;
     for (int v = 0; v < n; ++v) {

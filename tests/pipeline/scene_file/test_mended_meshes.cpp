@@ -104,8 +104,7 @@ TEST_CASE("pins, seams and poses go with the vertices of the file", "[mended]") 
                Contains("pin[0].vertices: vertex 9 does not exist; the cloth's file has vertices 0 … 8"));
     CHECK_THAT(place.told(mesh + "[[seam]]\nfirst = { vertices = [2, 3] }\nsecond = { vertices = [5, 8] }\n"),
                Contains("seam[0]: sews vertices that stand at one place and are joined already"));
-    CHECK_THAT(place.told(mesh + "pose = \"few.obj\"\n"),
-               Contains("cloth[0].pose: "));
+    CHECK_THAT(place.told(mesh + "pose = \"few.obj\"\n"), Contains("cloth[0].pose: "));
 }
 
 TEST_CASE("units scale the rest shape with the start, and odd sizes are told of", "[mended]") {
@@ -126,6 +125,15 @@ TEST_CASE("units scale the rest shape with the start, and odd sizes are told of"
                Contains("collider[0].mesh: is 100 m across, 70.7 times the largest"));
     CHECK(place.notes("[[collider]]\nshape = \"mesh\"\nmesh = \"cm.obj\"\nunits = \"cm\"\n").empty());
     CHECK(place.notes("size = [100, 100]\n[[collider]]\n").empty());  // sizes in a scene are meant
+}
+
+TEST_CASE("a mesh whose numbers are absurd is refused", "[mended]") {
+    const Place place;
+    spit(place.folder() / "far.obj", "v 0 0 0\nv 1e300 0 0\nv 0 1e300 0\nf 1 2 3\n");
+    for (const char* keys : {"mesh = \"far.obj\"\n", "mesh = \"far.obj\"\nunits = \"mm\"\n",
+                             "[[collider]]\nshape = \"mesh\"\nmesh = \"far.obj\"\n"})
+        CHECK_THAT(place.told(keys), Contains(".mesh: has a vertex at 1e+") &&
+                                         Contains(" m; must be within 1000000 m of the origin"));
 }
 
 TEST_CASE("what needs more memory than there is is refused with key, need and what is there", "[mended]") {

@@ -165,6 +165,12 @@ TEST_CASE("three sheets at one edge are refused, with a way to mend them", "[mes
                Contains("more than two triangles") && Contains("non-manifold"));
 }
 
+TEST_CASE("vertices too far apart to be measured are not joined", "[mesh_repair]") {
+    MeshData mesh = make_grid({.resolution = {2, 2}});
+    mesh.positions *= 1e200;
+    CHECK(repair_cloth_mesh(mesh, nullptr, true).joined == 0);
+}
+
 TEST_CASE("units are those of mesh and pose", "[mesh_repair]") {
     ClothDesc cloth;
     cloth.mesh = make_grid({.size = {100.0, 100.0}, .resolution = {3, 3}});
