@@ -25,6 +25,21 @@ std::string text_of(Fabric fabric) {
 
 }  // namespace
 
+TEST_CASE("hem and contact's lengths follow a cloth's size, and the kept scene has them as numbers",
+          "[scene_file]") {
+    const SceneFile usual = parse(sheet());
+    CHECK(usual.cloth_looks[0].hem == 2e-3);
+    CHECK_THAT(usual.resolved(), Contains("contact_activation = 0.001\n") &&
+                                     Contains("contact_thickness = 0.001\n") && Contains("hem = 0.002\n"));
+    const SceneFile tiny = parse(sheet("size = [0.006, 0.008]\n"));  // a diagonal of 10 mm
+    CHECK(tiny.cloth_looks[0].hem == Approx(1e-4));
+    CHECK(*tiny.scene.cloths[0].contact_thickness == Approx(1e-4));
+    CHECK(*tiny.scene.simulation.contact_activation == Approx(1e-4));
+    CHECK(parse(sheet("size = [600, 800]\n")).cloth_looks[0].hem == 0.1);  // the widest
+    CHECK(parse(tiny.resolved()).resolved() == tiny.resolved());
+    CHECK(parse(sheet("size = [0.006, 0.008]\nhem = 0\n")).cloth_looks[0].hem == 0.0);
+}
+
 TEST_CASE("a cloth's pattern, threads, hem and the light's size reach the renderer", "[scene_file]") {
     const SceneFile f = parse(sheet(R"(color = "#ffffff"
 pattern = "tartan"
