@@ -226,7 +226,6 @@ class Minimization {
             w_.start = x;
             x = w_.start + share * way;
             if (k == 0) guess_ = x + way;
-            strained_ = false;
             for (int halvings = 0; !std::isfinite(p_.terms.value(x)); ++halvings) {
                 strained_ = true;
                 share *= 0.5;
@@ -282,7 +281,7 @@ class Minimization {
     StoppingRule rule_;
     bool slow_ = false;      ///< the last step was
     VecX guess_;             ///< where the first placing would have taken the cloth, shape (3n) [m]
-    bool strained_ = false;  ///< a strain limit shortened the last placing
+    bool strained_ = false;  ///< a strain limit shortened the placing
 };
 
 }  // namespace

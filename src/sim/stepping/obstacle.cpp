@@ -49,13 +49,43 @@ std::optional<Obstacle> nearest_its_limit(const Model& model, const VecX& x, dou
 
 // ---------------------------------------------------------------- contact
 
-/// From the surface where contact with a collider begins to p, with the collider at the stage's end.
-double room_at_end(const Model& model, const ContactSet& set, int collider, const Vec3& p) {
+/// From where contact with a collider begins to p, with the collider at the stage's end, and the way out
+/// there.
+SurfacePoint surface_at_end(const Model& model, const ContactSet& set, int collider, const Vec3& p) {
     const ColliderDesc& desc = model.scene.colliders[collider];
     const Placement& end = set.colliders().target(collider);
     const Vec3 at_rest = end.rotation.transpose() * (p - end.translation);
     const double offset = desc.contact_radius ? *desc.contact_radius - desc.radius : desc.contact_offset;
-    return make_shape(desc)->distance(at_rest).distance - offset;
+    const SurfacePoint found = make_shape(desc)->distance(at_rest);
+    return {found.distance - offset, end.rotation * found.normal};
+}
+
+/// Between two colliders at the stage's end: least within `reach` of p, as projections on one and the other
+/// find it.
+double room_between(const Model& model, const ContactSet& set, int a, int b, const Vec3& p, double reach) {
+    const double here = surface_at_end(model, set, a, p).distance + surface_at_end(model, set, b, p).distance;
+    Vec3 between = p;
+    for (int k = 0; k < 50; ++k) {
+        for (int collider : {a, b}) {
+            const SurfacePoint at = surface_at_end(model, set, collider, between);
+            between -= at.distance * at.normal;
+        }
+        if (!((between - p).norm() < reach)) return here;
+    }
+    return std::min(here, surface_at_end(model, set, a, between).distance);
+}
+
+/// The longest edge at a vertex of all [m].
+double longest_edge(const Model& model, const VecX& x, int vertex) {
+    double longest = 0.0;
+    for (int t = 0; t < model.triangle_count(); ++t) {
+        if (!(model.triangles.row(t).array() == vertex).any()) continue;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 edge = x.segment<3>(3 * model.triangles(t, k)) - x.segment<3>(3 * vertex);
+            longest = std::max(longest, edge.norm());
+        }
+    }
+    return longest;
 }
 
 /// A contact with a collider: out of that towards the cloth.
@@ -110,8 +140,8 @@ class TightestContact {
         hold(o, *tightest);
         if (against) {
             o.colliders.push_back(against->collider);
-            o.room = 0.0;
-            for (int c : o.colliders) o.room += room_at_end(model_, set_, c, o.place);
+            o.room = room_between(model_, set_, o.colliders[0], o.colliders[1], o.place,
+                                  longest_edge(model_, x_, v));
             o.certain = o.room < o.needed;
         } else if (o.pin && !o.other) {
             o.needed *= 0.5;
@@ -147,7 +177,7 @@ class TightestContact {
         if (std::none_of(pins_.begin(), pins_.end(), in_contact)) return;
         o.room = std::numeric_limits<double>::infinity();
         for (const Pin& pin : pins_) {
-            const double room = room_at_end(model_, set_, o.colliders.front(), pin.position);
+            const double room = surface_at_end(model_, set_, o.colliders.front(), pin.position).distance;
             if (!(room < o.room)) continue;
             o.room = room;
             o.cloth = cloth_of(model_, pin.vertex, &ClothRange::first_vertex);
@@ -181,7 +211,9 @@ std::string millimetres(double length) {
 
 std::optional<Obstacle> obstacle_of_placing(const Model& model, const ContactSet* contact,
                                             const std::vector<Pin>& pins, const VecX& x, const VecX* guess) {
-    if (guess) {
+    std::optional<Obstacle> met;
+    if (contact) met = TightestContact(model, *contact, pins, x).find();
+    if (guess && !(met && met->certain)) {
         auto found = nearest_its_limit(model, *guess, 1.0);
         constexpr double credible = 10.0;  // a linear guess that is farther beyond tells nothing
         if (found && found->stretch - 1.0 < credible * (found->limit - 1.0)) {
@@ -194,7 +226,7 @@ std::optional<Obstacle> obstacle_of_placing(const Model& model, const ContactSet
         }
         if (found) return found;
     }
-    return contact ? TightestContact(model, *contact, pins, x).find() : std::nullopt;
+    return met;
 }
 
 std::optional<Obstacle> strain_at(const Model& model, const VecX& x) {
@@ -226,10 +258,9 @@ std::string words(const Model& model, const Obstacle& o) {
     const std::string vertex =
         "vertex " + std::to_string(o.element) + " of " + cloth(o.cloth) + " at " + place();
     if (o.colliders.size() == 2) {
-        return collider(o.colliders[0]) + " and " + collider(o.colliders[1]) + " close on " + vertex +
-               (o.certain ? ": " + millimetres(std::max(0.0, o.room)) +
-                                " between them would be left there, the cloth needs " + millimetres(o.needed)
-                          : "");
+        return collider(o.colliders[0]) + " and " + collider(o.colliders[1]) + " close on " + vertex + ": " +
+               millimetres(std::max(0.0, o.room)) + " between them " + (o.certain ? "would be" : "is") +
+               " left there, the cloth needs " + millimetres(o.needed);
     }
     if (o.pin && o.certain) {
         return "pin[" + std::to_string(*o.pin) + "] and " + collider(o.colliders[0]) + " meet at " + vertex +
