@@ -88,7 +88,7 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const s
     SceneFile file;
     file.name = file.scene.name = std::filesystem::path(label).stem().string();
     try {
-        toml::parse("name = " + Value<std::string>::write(file.name));
+        static_cast<void>(toml::parse("name = " + Value<std::string>::write(file.name)));
     } catch (const toml::parse_error&) {
         refuse_scene(label + ": the file's name, which names the scene, is not UTF-8 text: rename it");
     }

@@ -57,7 +57,7 @@ std::vector<std::string> files_in(const TemporaryFolder& folder) {
 /// The mesh of a frame, from what a sequence left. A format of one file per sequence needs a reader here.
 MeshData read_back(const ExportFormat& format, const fs::path& file, std::int64_t frame) {
     REQUIRE(format.files == SequenceFiles::one_per_frame);
-    return read_mesh(numbered_file(file, frame));
+    return read_mesh(numbered_file(file, frame)).mesh;
 }
 
 std::string file_name(const ExportFormat& format) {
@@ -77,10 +77,10 @@ TEST_CASE("a mesh comes back from every format with every bit", "[exporters]") {
         exporter->begin(topology, 60.0);
         exporter->frame(0, 0.0, positions);
         exporter->end();
-        const MeshData back = read_mesh(file);
+        const MeshData back = read_mesh(file).mesh;
         CHECK(same_bits(back.positions, positions));
         CHECK(back.triangles == topology.triangles);
-        CHECK(same_bits(read_points(file), positions));
+        CHECK(same_bits(read_points(file).mesh.positions, positions));
         CHECK(files_in(folder) == std::vector{file_name(format)});  // no temporary file is left
     }
 }
