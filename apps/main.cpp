@@ -38,7 +38,8 @@ void occupy_standard_streams() {
 /// Where nothing else can be done.
 [[noreturn]] void end_by_fault() {
     remove_noted_files();
-    constexpr std::string_view line = "render_cloth: ended by a fault that it cannot handle, or out of memory\n";
+    constexpr std::string_view line =
+        "render_cloth: ended by a fault that it cannot handle, or out of memory\n";
     [[maybe_unused]] const ssize_t told = ::write(STDERR_FILENO, line.data(), line.size());
     ::_exit(static_cast<int>(ExitCode::other));
 }

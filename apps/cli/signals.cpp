@@ -20,8 +20,8 @@ std::atomic<int> requests = 0;  ///< that live
 
 [[noreturn]] void end_at_once() {
     remove_noted_files();
-    const std::string_view line = ::isatty(STDERR_FILENO) == 1 ? "\r\033[Krender_cloth: interrupted\n"
-                                                               : "render_cloth: interrupted\n";
+    const std::string_view line =
+        ::isatty(STDERR_FILENO) == 1 ? "\r\033[Krender_cloth: interrupted\n" : "render_cloth: interrupted\n";
     [[maybe_unused]] const ssize_t told = ::write(STDERR_FILENO, line.data(), line.size());
     ::_exit(static_cast<int>(pipeline::ExitCode::interrupted));
 }

@@ -76,7 +76,8 @@ class ProgressLine {
         if (rate > 0) text += ", " + clock_text(static_cast<double>(progress.frames - done) / rate) + " left";
         if (terminal_) {
             constexpr std::int64_t width = 30;
-            const auto full = static_cast<std::size_t>(width * done / std::max<std::int64_t>(progress.frames, 1));
+            const auto full =
+                static_cast<std::size_t>(width * done / std::max<std::int64_t>(progress.frames, 1));
             tell(fmt::format("\r\033[K[{}{}] {}", std::string(full, '#'), std::string(width - full, '.'),
                              text));
             drawn_ = true;

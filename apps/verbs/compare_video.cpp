@@ -35,11 +35,11 @@ cli::ExitCode work(const Values& values) {
     const auto labels = values.labels.empty() ? values.runs : split(values.labels, ',');
     if (labels.size() != 2)
         cli::refuse(fmt::format("--labels {}: give two texts, as in before,after", values.labels));
-    const auto made =
-        pipeline::write_comparison({values.runs[0], values.runs[1]}, values.file, {labels[0], labels[1]},
-                                   values.keys.redraw_overrides(), cli::Watch(values.work, true, cli::OnSignal::end).options());
-    fmt::print("{} of {}x{} at {:g} frames/s: {}\n", plural(made.frames, "frame"), made.width,
-               made.height, made.playback_rate, values.file);
+    const auto made = pipeline::write_comparison({values.runs[0], values.runs[1]}, values.file,
+                                                 {labels[0], labels[1]}, values.keys.redraw_overrides(),
+                                                 cli::Watch(values.work, true, cli::OnSignal::end).options());
+    fmt::print("{} of {}x{} at {:g} frames/s: {}\n", plural(made.frames, "frame"), made.width, made.height,
+               made.playback_rate, values.file);
     return cli::ExitCode::good;
 }
 

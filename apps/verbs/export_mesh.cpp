@@ -38,7 +38,8 @@ void one(const Values& values, const pipeline::ExportFormat& format) {
 }
 
 void sequence(const Values& values, const pipeline::ExportFormat& format, const pipeline::FrameSpan& span) {
-    pipeline::export_frames(values.out, span, format, values.file, cli::Watch(values.work, false, cli::OnSignal::end).options());
+    pipeline::export_frames(values.out, span, format, values.file,
+                            cli::Watch(values.work, false, cli::OnSignal::end).options());
     std::string made = values.file;
     if (format.files == pipeline::SequenceFiles::one_per_frame)
         made = fmt::format("{} to {}", pipeline::numbered_file(made, span.first).string(),

@@ -40,8 +40,8 @@ cli::ExitCode work(const Values& values) {
     const fs::path out = kept ? fs::path(values.scene.out) : cli::run_scene(values.scene, values.work, false);
     const fs::path png = values.file.empty() ? pipeline::RunFolder::open(out).sheet() : fs::path(values.file);
     const auto overrides = kept ? keys.redraw_overrides() : pipeline::Overrides();
-    const auto made =
-        pipeline::write_sheet(out, png, sheet, overrides, cli::Watch(values.work, true, cli::OnSignal::end).options());
+    const auto made = pipeline::write_sheet(out, png, sheet, overrides,
+                                            cli::Watch(values.work, true, cli::OnSignal::end).options());
     fmt::print("{} in {}x{} pixels: {}\n", plural(made.pictures, "picture"), made.width, made.height,
                made.file.string());
     return cli::ExitCode::good;

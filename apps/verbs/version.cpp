@@ -25,8 +25,8 @@ std::string attempt(Ask ask) {
 }
 
 cli::ExitCode work(const cli::WorkFlags& values) {
-    fmt::print("render_cloth {}\ncompiler: {}\nbuild: {}\nrenderer: {}\nencoder: {}\n", pipeline::program_version(), pipeline::compiler(),
-               pipeline::build_fingerprint(),
+    fmt::print("render_cloth {}\ncompiler: {}\nbuild: {}\nrenderer: {}\nencoder: {}\n",
+               pipeline::program_version(), pipeline::compiler(), pipeline::build_fingerprint(),
                attempt([&] { return cloth::render::Rasterizer(1, values.gl_library()).description(); }),
                attempt([] { return pipeline::ffmpeg_version(); }));
     return cli::ExitCode::good;

@@ -60,8 +60,7 @@ int close_of(Open& file) {
 /// A new, empty file in `folder`, noted from its beginning.
 FileToRemove make_part(const fs::path& target, const fs::path& folder) {
     static std::atomic<unsigned> count = 0;
-    const std::string stem =
-        (folder / target.filename()).string() + "." + std::to_string(::getpid()) + "-";
+    const std::string stem = (folder / target.filename()).string() + "." + std::to_string(::getpid()) + "-";
     const std::lock_guard lock(noted().mutex);
     while (true) {
         const fs::path part = stem + std::to_string(count++) + ".part";
@@ -151,8 +150,8 @@ std::string target_of_part(const std::string& name) {
     const std::string target = name.substr(0, name.size() - ending.size());
     const std::size_t dot = target.rfind('.');
     if (dot == std::string::npos) return {};
-    const bool numbered = dot + 1 < target.size() &&
-                          target.find_first_not_of("0123456789-", dot + 1) == std::string::npos;
+    const bool numbered =
+        dot + 1 < target.size() && target.find_first_not_of("0123456789-", dot + 1) == std::string::npos;
     return numbered ? target.substr(0, dot) : target;
 }
 

@@ -51,7 +51,8 @@ class PartFile {
     FileToRemove part_;
 };
 
-/// "state_000012.bin" for a name that its part may have; empty for other names. A killed program leaves parts.
+/// "state_000012.bin" for a name that its part may have; empty for other names. A killed program leaves
+/// parts.
 std::string target_of_part(const std::string& name);
 
 /// A PartFile with `bytes`, finished.

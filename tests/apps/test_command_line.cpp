@@ -54,8 +54,8 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"--scene sheet.toml --size 640x480x3", {"--size 640x480x3", "must be \"WIDTHxHEIGHT\""}},
         {"--scene sheet.toml --fps nan", {"--fps nan", "must be a finite number"}},
         {"--scene sheet.toml --fps inf", {"--fps inf", "must be a finite number"}},
-        {"--scene sheet.toml --fps 0", {"--fps 0", "greater than 0"}},
-        {"--scene sheet.toml --fps -24", {"--fps -24", "greater than 0"}},
+        {"--scene sheet.toml --fps 0", {"--fps 0", "must be 0.001 … 1000000 1/s"}},
+        {"--scene sheet.toml --fps -24", {"--fps -24", "must be 0.001 … 1000000 1/s"}},
         {"--scene sheet.toml --fps fast", {"--fps fast", "must be a number"}},
         {"--scene sheet.toml --set output.playback_rate=30 --fps 0.001",
          {"--fps 0.001: output.playback_rate: ", "must be 0.01 … 1000"}},
@@ -116,9 +116,7 @@ TEST_CASE("bad scenes and meshes are refused before anything is written", "[cli]
     spit(place / "empty.obj", "");
     spit(place / "garbage.obj", "this is no mesh\n\x01\x02\x03");
     spit(place / "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
-    spit(place / "quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
     spit(place / "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-    spit(place / "twice.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 1\n");
     spit(place / "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
     spit(place / "nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     spit(place / "pinned.toml", slurp(place / "sheet.toml") + "\n[[pin]]\nbox = [[5, 5, 5], [6, 6, 6]]\n");
@@ -150,9 +148,7 @@ TEST_CASE("bad scenes and meshes are refused before anything is written", "[cli]
         {"--scene sheet.toml --set cloth.mesh=empty.obj", {"empty.obj"}},
         {"--scene sheet.toml --set cloth.mesh=garbage.obj", {"garbage.obj"}},
         {"--scene sheet.toml --set cloth.mesh=points.obj", {}},
-        {"--scene sheet.toml --set cloth.mesh=quad.obj", {"quad.obj", "triangle"}},
         {"--scene sheet.toml --set cloth.mesh=flat.obj", {"triangle 0", "degenerate"}},
-        {"--scene sheet.toml --set cloth.mesh=twice.obj", {"triangle 1", "repeats triangle 0"}},
         {"--scene sheet.toml --set cloth.mesh=range.obj", {}},
         {"--scene sheet.toml --set cloth.mesh=nan.obj", {}},
     };
@@ -195,7 +191,8 @@ TEST_CASE("the program tells of itself", "[cli]") {
     CHECK(list.code == 0);
     const Outcome keys = place.run("list keys");
     CHECK(keys.code == 0);
-    CHECK_THAT(keys.out, Contains("[[collider]]") && Contains("  contact_offset     number, ≥ 0 [m]"));
+    CHECK_THAT(keys.out,
+               Contains("[[collider]]") && Contains("  contact_offset     number, 0 … 1000000 [m]"));
     for (const char* scene : {"seed_sheet", "seed_kick", "seed_drag", "drape_sphere", "hanging_sheet"})
         CHECK_THAT(list.out, Contains(scene));
     CHECK(place.run("list scenes").out == list.out);

@@ -25,7 +25,8 @@ namespace {
 /// A file of the state store around other bytes: magic, checksum, zstd frame.
 std::string unpacked(const std::string& file) {
     std::string payload(ZSTD_getFrameContentSize(file.data() + 16, file.size() - 16), '\0');
-    REQUIRE(ZSTD_decompress(payload.data(), payload.size(), file.data() + 16, file.size() - 16) == payload.size());
+    REQUIRE(ZSTD_decompress(payload.data(), payload.size(), file.data() + 16, file.size() - 16) ==
+            payload.size());
     return payload;
 }
 std::string packed_body(const std::string& magic, const std::string& body) {
@@ -39,7 +40,8 @@ std::string packed(const std::string& magic, const std::string& payload) {
 }
 
 const char* const verbs[] = {"render --out o --quiet --shade gap --motion-blur 2 --ids 30,20,9",
-                             "export --out o --frames 0:3 --file m.obj --quiet", "sheet --out o --quiet --shade stretch"};
+                             "export --out o --frames 0:3 --file m.obj --quiet",
+                             "sheet --out o --quiet --shade stretch"};
 
 /// Exit code 0, or a line that says why not.
 void check_sound(const Outcome& outcome) {
@@ -49,13 +51,15 @@ void check_sound(const Outcome& outcome) {
     if (outcome.code == 0) return;
     CHECK_THAT(outcome.err, Catch::StartsWith("render_cloth: "));
     CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
-    for (const char* foreign : {"std::", "bad_alloc", "json", "terminate", "vector", "basic_string", "optional"})
+    for (const char* foreign :
+         {"std::", "bad_alloc", "json", "terminate", "vector", "basic_string", "optional"})
         CHECK_THAT(outcome.err, !Contains(foreign));
 }
 
 }  // namespace
 
-TEST_CASE("a kept state that says what cannot be is refused by render, export and sheet alike", "[cli][edited]") {
+TEST_CASE("a kept state that says what cannot be is refused by render, export and sheet alike",
+          "[cli][edited]") {
     const Workplace place;
     REQUIRE(place.run(base + "--frames 3 --no-video").code == 0);
     const fs::path path = place / "o/states/state_000001.bin";
@@ -67,8 +71,10 @@ TEST_CASE("a kept state that says what cannot be is refused by render, export an
     const Edit edits[] = {
         {"is the state of frame 2", [](State& s) { s.frame = 2; }},
         {"its numbers do not belong together", [](State& s) { s.frame = -1; }},
-        {"vertex 5 is no longer finite", [](State& s) { s.positions[16] = std::numeric_limits<double>::quiet_NaN(); }},
-        {"vertex 0 is no longer finite", [](State& s) { s.velocities[1] = std::numeric_limits<double>::infinity(); }},
+        {"vertex 5 is no longer finite",
+         [](State& s) { s.positions[16] = std::numeric_limits<double>::quiet_NaN(); }},
+        {"vertex 0 is no longer finite",
+         [](State& s) { s.velocities[1] = std::numeric_limits<double>::infinity(); }},
         {"vertex 9 is more than 1e+09 m away", [](State& s) { s.positions[27] = 1e30; }},
         {"has 143 vertices, the scene 144",
          [](State& s) {
@@ -116,15 +122,19 @@ TEST_CASE("a state whose sizes are lies is refused without the memory that it as
                                     packed("CLOTHST1", ""), packed("CLOTHST1", good.substr(0, 40)),
                                     packed("CLOTHST1", good + "more"), packed("CLOTHTP1", good)}) {
         spit(path, file);
-        for (const char* verb : verbs) check_refusal(place.run(verb, "ulimit -v 8000000;"), 1, {"state_000001.bin: "});
+        for (const char* verb : verbs)
+            check_refusal(place.run(verb, "ulimit -v 8000000;"), 1, {"state_000001.bin: "});
     }
 }
 
-TEST_CASE("states and topologies with bytes changed under a right checksum never crash a verb", "[cli][edited]") {
+TEST_CASE("states and topologies with bytes changed under a right checksum never crash a verb",
+          "[cli][edited]") {
     const Workplace place;
     REQUIRE(place.run(base + "--frames 3 --no-video").code == 0);
     std::mt19937 random(20240527);
-    const auto pick = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+    const auto pick = [&](std::size_t n) {
+        return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
+    };
     const unsigned seed = GENERATE(range(0u, 12u));
     random.seed(seed);
     struct File {
@@ -135,7 +145,8 @@ TEST_CASE("states and topologies with bytes changed under a right checksum never
     std::string payload = unpacked(slurp(path));
     // The head, with all its counts, as often as all the rest.
     for (std::size_t k = 0, n = 1 + pick(3); k < n; ++k) {
-        const std::size_t at = pick(pick(2) == 0 ? std::min<std::size_t>(payload.size(), 64) : payload.size());
+        const std::size_t at =
+            pick(pick(2) == 0 ? std::min<std::size_t>(payload.size(), 64) : payload.size());
         const char values[] = {'\0', '\x7f', '\xff', '\x80', static_cast<char>(pick(256))};
         payload[at] = values[pick(std::size(values))];
     }
@@ -166,20 +177,24 @@ TEST_CASE("an edited scene, report or picture of a kept run never crashes a verb
     fs::remove(place / "o/scene.toml");
     check_all({"o: holds no run (no scene.toml)"});
     spit(place / "o/scene.toml", scene);
-    for (const char* text : {"", "{}", "[1, 2]", "{\"frames\": 3}", "{\"frames\": [{\"frame\": \"x\"}]}", "nul", "\xff"}) {
+    for (const char* text :
+         {"", "{}", "[1, 2]", "{\"frames\": 3}", "{\"frames\": [{\"frame\": \"x\"}]}", "nul", "\xff"}) {
         spit(place / "o/report.json", text);
         check_sound(place.run("render --out o --quiet --curves energy,gap"));
     }
     spit(place / "o/report.json", report);
     for (const char* bytes : {"", "no picture", "\x89PNG\r\n\x1a\n"}) {
         spit(place / "o/frames/frame_000001.png", bytes);
-        check_refusal(place.run("encode --out o --quiet"), 1, {"cannot read o/frames/frame_000001.png: not a whole PNG"});
+        check_refusal(place.run("encode --out o --quiet"), 1,
+                      {"cannot read o/frames/frame_000001.png: not a whole PNG"});
     }
     fs::remove(place / "o/frames/frame_000001.png");
     fs::create_directory(place / "o/frames/frame_000001.png");
     check_sound(place.run("encode --out o --quiet"));
-    for (int frame = 0; frame < 3; ++frame) fs::remove_all(place / ("o/frames/frame_00000" + std::to_string(frame) + ".png"));
-    check_refusal(place.run("encode --out o --quiet"), 1, {"has pictures of 0 of its 3 frames", "render_cloth render --out o"});
+    for (int frame = 0; frame < 3; ++frame)
+        fs::remove_all(place / ("o/frames/frame_00000" + std::to_string(frame) + ".png"));
+    check_refusal(place.run("encode --out o --quiet"), 1,
+                  {"has pictures of 0 of its 3 frames", "render_cloth render --out o"});
     fs::remove_all(place / "o/states/state_000000.bin");
     fs::remove_all(place / "o/states/state_000001.bin");
     fs::remove_all(place / "o/states/state_000002.bin");

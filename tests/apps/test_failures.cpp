@@ -77,8 +77,8 @@ TEST_CASE("a diverging simulation names frame, vertex and last good frame, and k
     const Workplace place;
     const Outcome outcome =
         place.run(base +
-                  "--frames 30 --set simulation.gravity=[0,-1e4,0] --set simulation.frame_rate=0.01 "
-                  "--set simulation.time_step=100");
+                  "--frames 30 --set simulation.gravity=[0,1e4,0] --set simulation.frame_rate=0.01 "
+                  "--set simulation.time_step=1");
     check_refusal(outcome, 4,
                   {"the simulation diverged: in frame ", " vertex ", "is more than 1e+09 m away",
                    "the last good frame is ", "kept in o"});

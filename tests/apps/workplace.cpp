@@ -10,8 +10,8 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
-#include <thread>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 namespace cloth::testing {
 
@@ -71,8 +71,8 @@ std::vector<std::string> Workplace::files(const std::string& below) const {
 
 void Workplace::stand_in_for_ffmpeg(const std::string& script) const {
     fs::create_directories(folder_ / "bin");
-    spit(folder_ / "bin/ffmpeg", "#!/bin/sh\ncase \"$*\" in *-version*) echo ffmpeg version fake; exit 0;; esac\n" +
-                                     script + "\n");
+    spit(folder_ / "bin/ffmpeg",
+         "#!/bin/sh\ncase \"$*\" in *-version*) echo ffmpeg version fake; exit 0;; esac\n" + script + "\n");
     chmod((folder_ / "bin/ffmpeg").c_str(), 0755);
 }
 
@@ -112,7 +112,9 @@ Outcome Started::wait(double seconds) {
     int status = 0;
     const bool ended = comes_true([&] { return waitpid(pid_, &status, WNOHANG) == pid_; }, seconds);
     if (ended) pid_ = -1;
-    return {!ended ? -1 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+    return {!ended              ? -1
+            : WIFEXITED(status) ? WEXITSTATUS(status)
+                                : 128 + WTERMSIG(status),
             slurp(logs_ / "out"), slurp(logs_ / "err")};
 }
 

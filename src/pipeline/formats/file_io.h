@@ -23,7 +23,8 @@ class FileSet {
   public:
     /// Throws Error(other) naming path and cause.
     void write(const std::filesystem::path& path, std::string_view bytes);
-    /// Gives all their names, in the order of write(). Throws Error(other) naming path and cause; what has its name by then keeps it.
+    /// Gives all their names, in the order of write(). Throws Error(other) naming path and cause; what has
+    /// its name by then keeps it.
     void finish();
 
   private:

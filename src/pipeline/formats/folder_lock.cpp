@@ -57,8 +57,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
     name_ = FileToRemove(path);
     const std::string text = own_name();
     // Who cannot write it is without a name to others, no more.
-    if (::ftruncate(file_, 0) == 0)
-        [[maybe_unused]] const ssize_t written = ::pwrite(file_, text.data(), text.size(), 0);
+    if (::ftruncate(file_, 0) == 0) [[maybe_unused]]
+        const ssize_t written = ::pwrite(file_, text.data(), text.size(), 0);
 }
 
 FolderLock::~FolderLock() {

@@ -218,7 +218,8 @@ State read_state(const fs::path& path) {
         }
         in.doubles(sized(state.rest_folds));
     });
-    if (state.frame < 0 || state.positions.size() != state.velocities.size() || state.positions.size() % 3 != 0)
+    if (state.frame < 0 || state.positions.size() != state.velocities.size() ||
+        state.positions.size() % 3 != 0)
         throw Error(ExitCode::other, path.string() + ": damaged (its numbers do not belong together)");
     return state;
 }

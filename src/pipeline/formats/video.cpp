@@ -70,8 +70,8 @@ std::string contents(const Descriptor& file) {
     return text;
 }
 
-/// FFmpeg at work, in a process group of its own, so that a Ctrl-C on the terminal reaches this program alone.
-/// It ends with this, and with the thread that started it.
+/// FFmpeg at work, in a process group of its own, so that a Ctrl-C on the terminal reaches this program
+/// alone. It ends with this, and with the thread that started it.
 class Child {
   public:
     Child() = default;
@@ -112,7 +112,8 @@ bool asked_to(const std::atomic<bool>* stop) {
     ::_exit(127);
 }
 
-Child::Child(const std::vector<std::string>& arguments, int in, const Descriptor& out, const Descriptor& err) {
+Child::Child(const std::vector<std::string>& arguments, int in, const Descriptor& out,
+             const Descriptor& err) {
     std::vector<std::string> words = {"ffmpeg"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
@@ -320,9 +321,9 @@ void VideoWriter::finish() {
     const std::optional<std::int64_t> frames = frames_of(m.file.part(), m.stop);
     if (!frames) m.fail(0);
     if (*frames != m.frames)
-        throw Error(ExitCode::encoder, fmt::format("ffmpeg failed on {}: it wrote {} frames of {}: {}",
-                                                   m.path.string(), *frames, m.frames,
-                                                   last_words(contents(m.words))));
+        throw Error(ExitCode::encoder,
+                    fmt::format("ffmpeg failed on {}: it wrote {} frames of {}: {}", m.path.string(), *frames,
+                                m.frames, last_words(contents(m.words))));
     try {
         m.file.finish();
     } catch (const std::runtime_error& e) {

@@ -29,8 +29,8 @@ class VideoWriter {
     VideoWriter(const std::filesystem::path& path, int width, int height, const VideoOptions& options);
     ~VideoWriter();  ///< without finish(): removes the unfinished file
     void add(const render::Image& image);
-    /// Reads the movie back and counts its frames. Throws Error(encoder) with FFmpeg's own last words, or where
-    /// a frame is missing.
+    /// Reads the movie back and counts its frames. Throws Error(encoder) with FFmpeg's own last words, or
+    /// where a frame is missing.
     void finish();
 
   private:

@@ -141,10 +141,11 @@ void require_golden_folder(const fs::path& folder) {
     if (fs::exists(folder / "golden.json", failure)) {
         read_facts(folder);
     } else if (fs::exists(folder, failure) && !fs::is_empty(folder, failure)) {
-        throw Error(ExitCode::usage,
-                    fmt::format("--golden: {} holds no goldens (no golden.json) and is not empty; give another "
-                                "folder, or empty it",
-                                folder.string()));
+        throw Error(
+            ExitCode::usage,
+            fmt::format("--golden: {} holds no goldens (no golden.json) and is not empty; give another "
+                        "folder, or empty it",
+                        folder.string()));
     }
 }
 
@@ -201,8 +202,7 @@ struct Session {
         return rasterizer.draw(builder.build(state), file.view);
     }
     bool fits(const State& state) const {
-        return state_fault(state).empty() &&
-               state.positions.size() == simulation.state().positions.size() &&
+        return state_fault(state).empty() && state.positions.size() == simulation.state().positions.size() &&
                state.collider_on.size() == simulation.state().collider_on.size();
     }
 

@@ -109,20 +109,20 @@ std::filesystem::path write_page(const GoldenResult& result, const std::string& 
     const fs::path path = out / "golden.html";
     const std::string title =
         fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
-    write_file(path,
-               fmt::format(
-                   "<!DOCTYPE html>\n{8}\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
-                   "<style>body{{font:15px sans-serif;margin:2em}}.row{{display:flex;gap:8px;flex-wrap:wrap}}"
-                   "figure{{margin:0}}img{{image-rendering:pixelated}}pre{{background:#eee;padding:1em}}"
-                   "</style></head><body>\n<h1>{0}</h1>\n<table>\n"
-                   "<tr><td>golden build</td><td>{1}</td></tr>\n<tr><td>this build</td><td>{2}</td></tr>\n"
-                   "<tr><td>golden renderer</td><td>{3}</td></tr>\n"
-                   "<tr><td>this renderer</td><td>{4}</td></tr>\n</table>\n<pre>{5}</pre>\n"
-                   "<p>Pictures are drawn from the golden states. If the change is wanted:</p>\n"
-                   "<pre>{6}</pre>\n{7}</body></html>\n",
-                   escaped(title), escaped(result.golden_build), escaped(result.actual_build),
-                   escaped(result.golden_renderer), escaped(result.actual_renderer),
-                   escaped(golden_table(result)), escaped(bless_command(result.scene)), rows, own_mark));
+    write_file(
+        path, fmt::format(
+                  "<!DOCTYPE html>\n{8}\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+                  "<style>body{{font:15px sans-serif;margin:2em}}.row{{display:flex;gap:8px;flex-wrap:wrap}}"
+                  "figure{{margin:0}}img{{image-rendering:pixelated}}pre{{background:#eee;padding:1em}}"
+                  "</style></head><body>\n<h1>{0}</h1>\n<table>\n"
+                  "<tr><td>golden build</td><td>{1}</td></tr>\n<tr><td>this build</td><td>{2}</td></tr>\n"
+                  "<tr><td>golden renderer</td><td>{3}</td></tr>\n"
+                  "<tr><td>this renderer</td><td>{4}</td></tr>\n</table>\n<pre>{5}</pre>\n"
+                  "<p>Pictures are drawn from the golden states. If the change is wanted:</p>\n"
+                  "<pre>{6}</pre>\n{7}</body></html>\n",
+                  escaped(title), escaped(result.golden_build), escaped(result.actual_build),
+                  escaped(result.golden_renderer), escaped(result.actual_renderer),
+                  escaped(golden_table(result)), escaped(bless_command(result.scene)), rows, own_mark));
     return path;
 }
 

@@ -15,8 +15,8 @@ using Triangle = std::array<Vec3, 3>;
 std::vector<std::array<int, 3>> triangle_list(const Triangles& triangles, int first_vertex) {
     std::vector<std::array<int, 3>> list;
     for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-        list.push_back({triangles(t, 0) - first_vertex, triangles(t, 1) - first_vertex,
-                        triangles(t, 2) - first_vertex});
+        list.push_back(
+            {triangles(t, 0) - first_vertex, triangles(t, 1) - first_vertex, triangles(t, 2) - first_vertex});
     return list;
 }
 
@@ -30,8 +30,7 @@ double distance(const Triangle& a, const Triangle& b, double reach) {
     for (int i = 0; i < 3; ++i) {
         meet(PairKind::vertex_face, {a[i], b[0], b[1], b[2]});
         meet(PairKind::vertex_face, {b[i], a[0], a[1], a[2]});
-        for (int k = 0; k < 3; ++k)
-            meet(PairKind::edge_edge, {a[i], a[(i + 1) % 3], b[k], b[(k + 1) % 3]});
+        for (int k = 0; k < 3; ++k) meet(PairKind::edge_edge, {a[i], a[(i + 1) % 3], b[k], b[(k + 1) % 3]});
     }
     return std::sqrt(least);
 }
@@ -42,10 +41,9 @@ Clearance::Clearance(const Model& model, std::optional<double> ground) : model_(
     std::vector<Vec3> points;
     for (std::size_t c = 0; c < model.cloths.size(); ++c) {
         const ClothRange& cloth = model.cloths[c];
-        mesh_.add_body(
-            {.collider = false, .index = static_cast<int>(c)}, cloth.vertex_count,
-            triangle_list(model.triangles.middleRows(cloth.first_triangle, cloth.triangle_count),
-                          cloth.first_vertex));
+        mesh_.add_body({.collider = false, .index = static_cast<int>(c)}, cloth.vertex_count,
+                       triangle_list(model.triangles.middleRows(cloth.first_triangle, cloth.triangle_count),
+                                     cloth.first_vertex));
     }
     for (int v = 0; v < model.vertex_count(); ++v) points.emplace_back(model.rest_positions.row(v));
     for (std::size_t c = 0; c < model.scene.colliders.size(); ++c) {

@@ -114,8 +114,7 @@ void FrameBuilder::place_rim(Rim& rim, const Mesh& cloth, const std::vector<doub
             out = out.norm() > 0 ? Vec3(out.normalized()) : Vec3(Vec3::Zero());
             const double thick = half_at[static_cast<std::size_t>(v.at)];
             for (const RimPoint& r : rim_profile) {
-                append(mesh.positions,
-                       vector_at(cloth.positions, v.at) + thick * (r.out * out + r.up * up));
+                append(mesh.positions, vector_at(cloth.positions, v.at) + thick * (r.out * out + r.up * up));
                 append(mesh.normals, (r.normal_out * out + r.normal_up * up + 1e-9 * up).normalized());
                 for (int k = 0; k < 2; ++k)
                     mesh.coordinates.push_back(cloth.coordinates[2 * static_cast<std::size_t>(v.at) + k] +

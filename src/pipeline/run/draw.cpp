@@ -12,7 +12,8 @@ namespace cloth::pipeline {
 StagesResult draw_run(const DrawnRun& run, RunFacts facts, std::int64_t frames, bool movie,
                       const Stages::Produce& produce) {
     const SceneFile& file = run.file;
-    PictureMaker pictures(file, run.model, std::move(facts), run.rasterizer, state_reader(run.folder, run.model));
+    PictureMaker pictures(file, run.model, std::move(facts), run.rasterizer,
+                          state_reader(run.folder, run.model));
     std::optional<VideoWriter> writer;
     if (movie) {
         writer.emplace(run.folder.movie(file.name), file.view.width, file.view.height,

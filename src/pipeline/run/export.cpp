@@ -50,7 +50,8 @@ void export_frames(const fs::path& out, const FrameSpan& span, const ExportForma
         throw Error(ExitCode::usage,
                     fmt::format("--file {}: is a folder; give a name in it, as in {}", file.string(),
                                 (file / fmt::format("sheet{}", format.extension)).string()));
-    write_meshes(out, kept_frames(RunFolder::open(out), span), *format.make(file, FrameNames::numbered), options);
+    write_meshes(out, kept_frames(RunFolder::open(out), span), *format.make(file, FrameNames::numbered),
+                 options);
 }
 
 }  // namespace cloth::pipeline

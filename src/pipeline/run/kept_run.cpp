@@ -129,9 +129,8 @@ KeptRun open_run(const fs::path& out, const Overrides& overrides) {
     SceneFile file = load_run_scene(out, overrides);
     Model model = build_model(file.scene);
     if (!same_topology(read_topology(folder.topology()), model))
-        throw Error(
-            ExitCode::other,
-            folder.scene().string() + ": its cloth is not the one of the kept states; simulate again");
+        throw Error(ExitCode::other, folder.scene().string() +
+                                         ": its cloth is not the one of the kept states; simulate again");
     return {std::move(folder), std::move(file), std::move(model), manifest.frames};
 }
 
@@ -176,7 +175,8 @@ StateReader state_reader(const RunFolder& folder, const Model& model) {
         if (!fs::exists(path, ignored)) return std::nullopt;
         State state = read_state(path);
         std::string fault = misfit(state, start);
-        if (fault.empty() && state.frame != frame) fault = fmt::format("is the state of frame {}", state.frame);
+        if (fault.empty() && state.frame != frame)
+            fault = fmt::format("is the state of frame {}", state.frame);
         if (fault.empty()) fault = state_fault(state);
         if (!fault.empty())
             throw Error(ExitCode::other, fmt::format("{}: {}; simulate again", path.string(), fault));
@@ -216,8 +216,8 @@ std::vector<std::int64_t> movie_frames(const KeptRun& run) {
                                                  "the rest with render_cloth render --out {0}",
                                                  out, frames.size(), states.size()));
     if (images != states)
-        throw Error(ExitCode::other, fmt::format("{}: {} has no state: no movie; remove it",
-                                                 out, run.folder.image(images.back()).string()));
+        throw Error(ExitCode::other, fmt::format("{}: {} has no state: no movie; remove it", out,
+                                                 run.folder.image(images.back()).string()));
     return frames;
 }
 

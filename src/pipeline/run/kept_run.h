@@ -18,7 +18,8 @@ namespace cloth::pipeline {
 /// Throws Error(usage) where a run of `file` may not go to `out`: what is there is the user's
 /// (require_own_folder()), or the scene or a mesh or texture of it lies there; Error(invalid_scene) where its
 /// name cannot be written down.
-void require_place(const std::filesystem::path& out, const SceneFile& file, const std::string& flag = "--out");
+void require_place(const std::filesystem::path& out, const SceneFile& file,
+                   const std::string& flag = "--out");
 
 /// The folder `out` without what an earlier run made in it, with manifest, scene and topology of a new one.
 /// Throws as require_place() and RunFolder::create().

@@ -64,11 +64,10 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
 
     // Without a gap from the start, all goes to the encoder while it is drawn; a part joins the pictures that
     // are there.
-    const bool whole =
-        frames == run.folder.kept_states() && std::cmp_equal(frames.size(), frames.back() + 1);
-    const StagesResult drawn = draw_run({run.folder, run.file, run.model, rasterizer, options},
-                                        std::move(facts), summary.frames, options.movie && whole,
-                                        kept_states(state_reader(run.folder, run.model), frames));
+    const bool whole = frames == run.folder.kept_states() && std::cmp_equal(frames.size(), frames.back() + 1);
+    const StagesResult drawn =
+        draw_run({run.folder, run.file, run.model, rasterizer, options}, std::move(facts), summary.frames,
+                 options.movie && whole, kept_states(state_reader(run.folder, run.model), frames));
     if (drawn.failure) std::rethrow_exception(drawn.failure);
     add(summary, drawn, run.folder);
     summary.interrupted = options.stopping() && (summary.images < summary.frames ||

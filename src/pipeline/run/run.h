@@ -17,14 +17,14 @@ namespace cloth::pipeline {
 
 /// Runs `file` for its output.frames frames into the folder `out`, in place of the run that it may hold, and
 /// leaves a report there. What can be refused is refused before anything there is touched: a folder that is
-/// no place for it (require_place()), SceneError, Error(encoder) without ffmpeg. Throws Error(not_converged) at the first state with a fault, naming
-/// frame, vertex and last good frame, once the good frames are drawn; Error(encoder) where only the movie
-/// failed, once all is drawn.
+/// no place for it (require_place()), SceneError, Error(encoder) without ffmpeg. Throws Error(not_converged)
+/// at the first state with a fault, naming frame, vertex and last good frame, once the good frames are drawn;
+/// Error(encoder) where only the movie failed, once all is drawn.
 RunSummary run_scene(const SceneFile& file, const std::filesystem::path& out, const RunOptions& options);
 
 /// Draws the kept states of the run in `out`, and makes the movie where the pictures of all of them are there
-/// in the end. Throws Error(other) where a state between them is missing. `overrides` change the scene that is drawn, not the kept one. Throws Error(usage) for a span with
-/// frames that have no state.
+/// in the end. Throws Error(other) where a state between them is missing. `overrides` change the scene that
+/// is drawn, not the kept one. Throws Error(usage) for a span with frames that have no state.
 RunSummary render_run(const std::filesystem::path& out, const std::optional<FrameSpan>& span,
                       const Overrides& overrides, const RunOptions& options);
 

@@ -29,8 +29,8 @@ inline constexpr std::string_view own_mark = "<!-- made by render_cloth -->";
 void require_own_folder(const std::filesystem::path& folder, const std::string& flag = "--out");
 
 /// states/manifest.json is the first file of a run and stays until the next run's takes its place: a folder
-/// with it is a run's. DIR/scene.toml, DIR/meshes/…, DIR/textures/…, DIR/states/state_000000.bin …, DIR/frames/frame_000000.png
-/// …, DIR/NAME.mp4, DIR/report.json, DIR/sheet.png.
+/// with it is a run's. DIR/scene.toml, DIR/meshes/…, DIR/textures/…, DIR/states/state_000000.bin …,
+/// DIR/frames/frame_000000.png …, DIR/NAME.mp4, DIR/report.json, DIR/sheet.png.
 class RunFolder {
   public:
     /// For writing, and locked for as long as any copy lives. Throws Error(usage) as require_own_folder(),

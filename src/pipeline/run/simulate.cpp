@@ -148,9 +148,8 @@ std::exception_ptr make_frames(Simulation& simulation, const SceneFile& file, co
     if (!rasterizer || options.stopping()) return simulated.failure;
     const std::exception_ptr drawing = failure_of([&] {
         write_report(folder, file, model, summary, "simulated");  // curves are read from it
-        const auto failure =
-            draw(survey_run(folder, file, model, options.stop),
-                 kept_states(state_reader(folder, model), folder.kept_states()));
+        const auto failure = draw(survey_run(folder, file, model, options.stop),
+                                  kept_states(state_reader(folder, model), folder.kept_states()));
         if (failure) std::rethrow_exception(failure);
     });
     return simulated.failure ? simulated.failure : drawing;

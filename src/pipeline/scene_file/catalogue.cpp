@@ -70,8 +70,7 @@ SceneFile load_scene(const std::string& name_or_path, const Overrides& overrides
     if (fs::is_directory(path, ignored)) {
         refuse_scene(fmt::format("{}: is a folder; a scene is a .toml file", path.string()));
     }
-    SceneFile file =
-        parse_scene(read_text(path), path.string(), fs::absolute(path).parent_path(), overrides);
+    SceneFile file = parse_scene(read_text(path), path.string(), fs::absolute(path).parent_path(), overrides);
     file.path = path;
     return file;
 }

@@ -15,19 +15,25 @@ namespace {
 
 std::vector<std::string> told(const MeshRepair& repair, const ClothDesc& cloth) {
     std::vector<std::string> notes;
-    const auto note = [&](int count, const char* noun, const std::string& text) {
-        if (count > 0) notes.push_back(fmt::format("{} {} {}", count, noun, text));
+    const auto note = [&](int count, const char* one, const char* many, const std::string& text) {
+        if (count > 0) notes.push_back(fmt::format("{} {} {}", count, count == 1 ? one : many, text));
     };
-    note(repair.joined, "doubled vertices",
+    const auto of_triangles = [&](int count, const std::string& text) {
+        note(count, "triangle", "triangles", text);
+    };
+    const auto of_vertices = [&](int count, const std::string& text) {
+        note(count, "vertex", "vertices", text);
+    };
+    note(repair.joined, "doubled vertex", "doubled vertices",
          "joined with what stands at the same place; weld = false leaves them apart");
-    note(repair.doubled, "vertices",
-         "at the place of another left as weld = false wants it: the cloth is open there");
-    note(repair.collapsed, "triangles", "with a repeated corner left out");
-    note(repair.repeated, "triangles", "that repeat another left out");
-    note(repair.loose, "vertices", "of no triangle left out");
-    note(repair.turned, "triangles",
-         fmt::format("of {} turned over, so that each piece faces the way that most of it does",
-                     cloth.mesh->triangles.rows()));
+    of_vertices(repair.doubled,
+                "at the place of another left as weld = false wants it: the cloth is open there");
+    of_triangles(repair.collapsed, "with a repeated corner left out");
+    of_triangles(repair.repeated, "with the corners of another left out");
+    of_vertices(repair.loose, "of no triangle left out");
+    of_triangles(repair.turned,
+                 fmt::format("of {} turned over, so that each piece faces the way that most of it does",
+                             cloth.mesh->triangles.rows()));
     return notes;
 }
 

@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <vector>
 
-
 namespace cloth::render {
 
 // ---------------------------------------------------------------- programs

@@ -28,7 +28,8 @@ size = [480, 480]
                        "covered.toml", ".");
 }
 
-std::string red_sheet(double size, const std::string& resolution, double height, const std::string& more = "") {
+std::string red_sheet(double size, const std::string& resolution, double height,
+                      const std::string& more = "") {
     return "[[cloth]]\nsize = [" + std::to_string(size) + ", " + std::to_string(size) +
            "]\nresolution = " + resolution + "\nrotate = [-90, 0, 0]\ntranslate = [0, " +
            std::to_string(height) + ", 0]\nfabric = \"silk\"\ncolor = [1, 0, 0]\n" + more;
@@ -52,7 +53,9 @@ int green_pixels(const SceneFile& file, int frames) {
     return green;
 }
 
-Model model_of(const std::string& text) { return build_model(parse_scene(text, "m.toml", ".").scene); }
+Model model_of(const std::string& text) {
+    return build_model(parse_scene(text, "m.toml", ".").scene);
+}
 
 }  // namespace
 
@@ -89,7 +92,8 @@ TEST_CASE("a covered layer of cloth does not show through the one above, its rim
 }
 
 TEST_CASE("room is the distance to what is near: known by hand", "[clearance]") {
-    // Two sheets in parallel planes 4 mm apart, one of them over a plane 2 mm below and under a box 10 mm above
+    // Two sheets in parallel planes 4 mm apart, one of them over a plane 2 mm below and under a box 10 mm
+    // above
     const Model model = model_of(R"(version = 1
 [[cloth]]
 resolution = 3

@@ -20,7 +20,7 @@ TEST_CASE("overrides reach every kind of key", "[scene_file]") {
                      "simulation.substeps=4", "camera.position=[0, 1, 3]", "output.size=640x360",
                      "collider[0].contact_radius = 0.4", "light.softness=0.5", "ground.height=-2",
                      "description=two words", "cloth.color=#336699", "expect.frames=[1]",
-                     "cloth[1].fabric={mu = 2.0, lambda = 1.0}", "cloth.bump=1", "cloth.bump=0.25"});
+                     "cloth[1].fabric={mu = 2.0, lambda = 1.0}", "cloth.bump=1", "cloth.bump=0.025"});
     CHECK(f.scene.cloths[0].fabric.density == 0.2);
     CHECK(f.scene.cloths[0].fabric.bending == default_fabric().bending);
     CHECK(f.scene.cloths[1].grid.resolution == std::array<int, 2>{3, 4});
@@ -35,7 +35,7 @@ TEST_CASE("overrides reach every kind of key", "[scene_file]") {
     CHECK(f.ground->height == -2.0f);
     CHECK(f.description == "two words");
     CHECK(f.scene.cloths[1].fabric.mu == 2.0);
-    CHECK(f.scene.cloths[0].bump == 0.25);  // the last one counts
+    CHECK(f.scene.cloths[0].bump == 0.025);  // the last one counts
     CHECK(parse(text, {"simulation.time_step=0.02"}).scene.simulation.time_step == 0.02);
     // Young's modulus takes the place of mu and lambda, and the other way round.
     const std::string given = sheet("fabric = { mu = 2, lambda = 1 }\n");
@@ -97,12 +97,12 @@ TEST_CASE("a refused override is named as it was given", "[scene_file]") {
         {"cloth.bump=1\ncloth.size = 3", "cloth[0].bump: is a string; must be a number [m]"},
         {"cloth.bump=nan", "--set cloth.bump=nan: cloth[0].bump: is not finite"},
         {"simulation.time_step=0",
-         "--set simulation.time_step=0: simulation.time_step: is 0; must be greater than 0 s"},
+         "--set simulation.time_step=0: simulation.time_step: is 0; must be 1e-9 … 1000 s"},
         {"cloth.resolution=1",
          "--set cloth.resolution=1: cloth[0].resolution: is 1; must be 2 … 4096 vertices"},
         {"cloth.mesh=none.obj", "--set cloth.mesh=none.obj: cloth[0].mesh: "},
         {"pin.path=[{ time = 0, roatte = 1 }]", "the scene has 0 [[pin]], counted from 0"},
-        {"air.drag=-1", "--set air.drag=-1: air.drag: is -1; must be at least 0"},
+        {"air.drag=-1", "--set air.drag=-1: air.drag: is -1; must be 0 … 1000"},
         {"cloth.name=\xff\xfe", "has a value that is not UTF-8 text"},
     };
     for (const Case& c : cases) {

@@ -91,15 +91,19 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
                       event =
                           "version = 1\n[[cloth]]\n[[collider]]\nname = \"ball\"\n[[collider]]\n[[event]]\n";
     const Overrides moduli{"cloth.fabric.mu=2.5", "cloth.fabric.lambda=2.5"};
+    // What follows a cloth's size where it is not said.
+    const std::string lengths =
+        "contact_thickness = 1e-3\nhem = 2e-3\n[simulation]\ncontact_activation = 1e-3\n";
     std::map<std::string, Setting> all{
         {"simulation.integrator", {.value = "\"tr_bdf2\""}},
         {"simulation.contact", {.value = "\"penalty\""}},
         {"cloth.name", {.scene = sheet()}},
-        {"cloth.radius", {.needs = {"cloth.radius=0.5"}, .scene = sheet()}},
+        {"cloth.size", {.scene = sheet(lengths)}},
+        {"cloth.radius", {.needs = {"cloth.radius=0.5"}, .scene = sheet(lengths)}},
         {"air.lift", {.needs = {"air.drag=1000"}}},
         {"cloth.rings", {.needs = {"cloth.radius=0.5"}, .scene = sheet()}},
         {"cloth.mesh", {.value = "\"" + mesh + "\"", .scene = sheet()}},
-        {"cloth.units", {.needs = {"cloth.mesh=" + mesh}, .value = "\"cm\"", .scene = sheet()}},
+        {"cloth.units", {.needs = {"cloth.mesh=" + mesh}, .value = "\"cm\"", .scene = sheet(lengths)}},
         {"cloth.weld", {.needs = {"cloth.mesh=" + mesh}, .scene = sheet()}},
         {"cloth.pose", {.value = "\"" + mesh + "\""}},
         {"cloth.texture", {.value = "\"" + (folder / "print.png").string() + "\""}},
@@ -111,6 +115,7 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
         {"cloth.fabric.lambda", {.needs = moduli, .value = "7.5"}},
         {"cloth.fabric.bending_model", {.value = "\"hinges\""}},
         {"cloth.fabric.yield_curvature", {.needs = {"cloth.fabric.bending_model=hinges"}}},
+        {"collider.spin", {.needs = {"collider.center=[0, 0, 9]"}}},  // away from the pin
         {"collider.shape", {.value = "\"capsule\""}},
         {"collider.mesh",
          {.needs = {"collider.shape=mesh", "collider.mesh=" + (folder / "print.ply").string()},

@@ -22,8 +22,8 @@ Scene sheet(IntegratorKind integrator) {
 
 TEST_CASE("a stopped step is undone, says so, and can be made again to the same bits", "[stop]") {
     const IntegratorKind integrator =
-        GENERATE(IntegratorKind::linearly_implicit_euler, IntegratorKind::implicit_euler, IntegratorKind::tr_bdf2,
-                 IntegratorKind::implicit_midpoint);
+        GENERATE(IntegratorKind::linearly_implicit_euler, IntegratorKind::implicit_euler,
+                 IntegratorKind::tr_bdf2, IntegratorKind::implicit_midpoint);
     Scene scene = sheet(integrator);
     if (integrator != IntegratorKind::implicit_euler) scene.simulation.contact = ContactKind::velocity_filter;
     Simulation undisturbed(scene, 1), stopped(scene, 1);
