@@ -116,7 +116,8 @@ TEST_CASE("a run that diverges is still drawn up to its last good frame, with it
     const Outcome outcome =
         place.run(base +
                   "--frames 30 --set simulation.gravity=[0,1e4,0] --set simulation.frame_rate=0.01 "
-                  "--set simulation.time_step=1 --shade stretch");
+                  "--set simulation.time_step=100 --set simulation.integrator=implicit_euler --set "
+                  "simulation.contact=barrier --shade stretch");
     CHECK(outcome.code == 4);
     const auto run = pipeline::RunFolder::open(place / "o");
     CHECK_FALSE(run.kept_states().empty());
