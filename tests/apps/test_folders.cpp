@@ -173,7 +173,7 @@ TEST_CASE("of two runs into one folder one is made, whole", "[cli][folders]") {
     no_parts(place);
 }
 
-TEST_CASE("only regular files are replaced; devices and pipes are written to, links refused",
+TEST_CASE("only regular files are replaced, devices and pipes are written to, links refused",
           "[cli][folders]") {
     const Workplace place;
     REQUIRE(place.run("simulate " + base + "--frames 2").code == 0);

@@ -81,7 +81,7 @@ TEST_CASE("an exporter is told topology, rate, and each frame with its time", "[
                                            "frame 3 at 0.120000, risen by 3.000000", "end"});
 }
 
-TEST_CASE("progress of an export is told frame by frame; stopped, it leaves nothing", "[export]") {
+TEST_CASE("progress of an export is told frame by frame, and one that is stopped leaves nothing", "[export]") {
     const Kept kept;
     std::atomic<bool> stop = false;
     std::vector<std::int64_t> done;

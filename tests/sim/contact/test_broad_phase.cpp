@@ -10,7 +10,7 @@
 
 using namespace cloth;
 
-TEST_CASE("moving boxes that overlap at some time may meet; a common way keeps them apart", "[collide]") {
+TEST_CASE("moving boxes that overlap at some time may meet, and a common way keeps them apart", "[collide]") {
     std::mt19937 random(11);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     auto any = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };

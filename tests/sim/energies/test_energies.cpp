@@ -362,7 +362,7 @@ TEST_CASE("viscosity, air and seams pass the battery", "[energy]") {
     CHECK(seam.value(together) < 1e-25);
 }
 
-TEST_CASE("a plate across the wind feels ½ ρ C_D A u², along it nothing; lift stands across", "[energy]") {
+TEST_CASE("a plate across the wind feels ½ ρ C_D A u², along it nothing, and lift stands across", "[energy]") {
     const MeshData mesh = make_grid({.size = {0.5, 0.4}, .resolution = {2, 2}});
     State still;
     still.positions = flatten(mesh.positions);
