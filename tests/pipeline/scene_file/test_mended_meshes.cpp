@@ -63,8 +63,8 @@ TEST_CASE("a cloth's mesh is mended as it is read, and each mend is told in a li
         Notes{
             "cloth[0].mesh: doubled.obj: 2 doubled vertices joined with what stands at the same place; "
             "weld = false leaves them apart",
-            "cloth[0].mesh: doubled.obj: 1 vertices of no triangle left out",
-            "cloth[0].mesh: doubled.obj: 1 triangles of 4 turned over, so that each piece faces the way that "
+            "cloth[0].mesh: doubled.obj: 1 vertex of no triangle left out",
+            "cloth[0].mesh: doubled.obj: 1 triangle of 4 turned over, so that each piece faces the way that "
             "most of it does"});
     CHECK(place.notes("mesh = \"grid.obj\"\n").empty());
     // A collider's mesh may be any triangles.
