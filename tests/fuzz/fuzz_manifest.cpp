@@ -8,7 +8,7 @@
 using namespace cloth::pipeline;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const RunFolder folder = RunFolder::create(folder_of_inputs());
+    static const RunFolder folder = RunFolder::create(folder_of_inputs());
     file_of(data, size, "states/manifest.json");
     file_of(data, size, "report.json");
     try {
