@@ -71,6 +71,8 @@ Clearance::Clearance(const Model& model, std::optional<double> ground) : model_(
 Clearance::Room Clearance::find(const State& state, const std::vector<double>& reach) const {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const int cloth_vertices = model_.vertex_count(), cloth_faces = model_.triangle_count();
+    Room room{std::vector<double>(cloth_faces, infinity), std::vector<double>(cloth_faces, infinity)};
+    if (std::all_of(reach.begin(), reach.end(), [](double r) { return r == 0.0; })) return room;
     std::vector<Placement> placements;
     for (const ColliderDesc& collider : model_.scene.colliders)
         placements.push_back(placement_at(collider, state.time));
@@ -108,7 +110,6 @@ Clearance::Room Clearance::find(const State& state, const std::vector<double>& r
         gaps[p] = distance(corners(f), corners(g), reach_of(f) + reach_of(g));
     });
 
-    Room room{std::vector<double>(cloth_faces, infinity), std::vector<double>(cloth_faces, infinity)};
     const auto bound = [](double& value, double by) { value = std::min(value, by); };
     for (std::size_t p = 0; p < pairs.size(); ++p) {
         const auto [f, g] = pairs[p];  // f < g: f is cloth's

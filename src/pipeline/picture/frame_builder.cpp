@@ -176,7 +176,6 @@ std::vector<FrameBuilder::Sheet> FrameBuilder::sheets(const State& state) const 
     constexpr double used = 0.9;
     std::vector<Sheet> sheets;
     std::vector<double> reach(model_.triangle_count(), 0.0);
-    bool far = false;
     // Calls work(fine vertex, simulated triangle) for all corners of all parts of each triangle.
     const auto for_each_corner = [&](std::size_t c, const auto& work) {
         const Triangles& fine = subdivisions_[c].triangles;
@@ -190,34 +189,29 @@ std::vector<FrameBuilder::Sheet> FrameBuilder::sheets(const State& state) const 
         const Eigen::Map<const Points> coarse(state.positions.data() + 3 * cloth.first_vertex,
                                               cloth.vertex_count, 3);
         const double half = 0.5 * file_.cloth_looks.at(c).hem;
-        Sheet sheet{subdivisions_[c].weights * coarse, subdivisions_[c].flat * coarse, {}, {}};
+        Sheet sheet{subdivisions_[c].weights * coarse, subdivisions_[c].flat * coarse, {}, {}, {}};
+        sheet.way = (sheet.smooth - sheet.flat).rowwise().norm();
         sheet.half.assign(static_cast<std::size_t>(sheet.flat.rows()), 0.0);
         for (const Rim::Vertex& v : rims_[c].vertices) sheet.half[static_cast<std::size_t>(v.at)] = half;
-        for_each_corner(c, [&](int v, int t) {
-            const double way = (sheet.smooth.row(v) - sheet.flat.row(v)).norm() + sheet.half[v];
-            reach[t] = std::max(reach[t], way / used);
-            far = far || way > 0;
-        });
+        for_each_corner(
+            c, [&](int v, int t) { reach[t] = std::max(reach[t], (sheet.way(v) + sheet.half[v]) / used); });
         sheets.push_back(std::move(sheet));
     }
-    Clearance::Room room;
-    if (far) room = clearance_.find(state, reach);
+    const Clearance::Room room = clearance_.find(state, reach);
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
         Sheet& sheet = sheets[c];
         std::vector<double> all(sheet.half.size(), std::numeric_limits<double>::infinity()), layers = all;
-        if (far)
-            for_each_corner(c, [&](int v, int t) {
-                all[v] = std::min(all[v], used * room.all[t]);
-                layers[v] = std::min(layers[v], used * room.layers[t]);
-            });
+        for_each_corner(c, [&](int v, int t) {
+            all[v] = std::min(all[v], used * room.all[t]);
+            layers[v] = std::min(layers[v], used * room.layers[t]);
+        });
         sheet.drawn = sheet.smooth;
         for (std::size_t i = 0; i < all.size(); ++i) {
             const auto v = static_cast<Eigen::Index>(i);
-            const double way = (sheet.smooth.row(v) - sheet.flat.row(v)).norm();
-            const double taken = std::min(way, all[i]);
-            if (taken < way)
+            const double taken = std::min(sheet.way(v), all[i]);
+            if (taken < sheet.way(v))
                 sheet.drawn.row(v) =
-                    sheet.flat.row(v) + (taken / way) * (sheet.smooth.row(v) - sheet.flat.row(v));
+                    sheet.flat.row(v) + (taken / sheet.way(v)) * (sheet.smooth.row(v) - sheet.flat.row(v));
             // A rim may stand into a collider: the sheet before it hides that.
             sheet.half[i] = std::min(sheet.half[i], std::max(layers[i] - taken, 0.0));
         }

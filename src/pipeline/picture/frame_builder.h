@@ -48,6 +48,7 @@ class FrameBuilder {
     struct Sheet {
         Points smooth;             ///< by subdivision, and its normals' source
         Points flat, drawn;        ///< on the simulated triangles; between the two
+        VecX way;                  ///< from flat to smooth, one per vertex [m]
         std::vector<double> half;  ///< of the rim's thickness, one per vertex [m]
     };
     std::vector<Sheet> sheets(const State& state) const;
