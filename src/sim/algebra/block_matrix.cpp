@@ -3,27 +3,53 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/parallel.h"
+
 namespace cloth {
 namespace {
 
+/// y += A x of rows [first, last), all of whose columns are there or behind. What belongs to rows behind
+/// `last` is left in `behind`, from row `last` on.
 template <class Block>
-void symmetric_multiply(const BlockPattern& pattern, const std::vector<Block>& blocks, const VecX& x,
-                        VecX& y) {
-    y.setZero(x.size());
-    for (int i = 0; i < pattern.vertex_count(); ++i) {
+void multiply_rows(const BlockPattern& pattern, const std::vector<Block>& blocks, int first, int last,
+                   const VecX& x, VecX& y, VecX& behind) {
+    for (int i = first; i < last; ++i) {
         const Vec3 xi = x.segment<3>(3 * i);
         Vec3 yi = y.segment<3>(3 * i) + blocks[pattern.row_begin[i]] * xi;
         for (int s = pattern.row_begin[i] + 1; s < pattern.row_begin[i + 1]; ++s) {
             const int j = pattern.column[s];
             yi += blocks[s] * x.segment<3>(3 * j);
+            auto yj = j < last ? y.segment<3>(3 * j) : behind.segment<3>(3 * (j - last));
             if constexpr (std::is_same_v<Block, double>) {
-                y.segment<3>(3 * j) += blocks[s] * xi;
+                yj += blocks[s] * xi;
             } else {
-                y.segment<3>(3 * j) += blocks[s].transpose() * xi;
+                yj += blocks[s].transpose() * xi;
             }
         }
         y.segment<3>(3 * i) = yi;
     }
+}
+
+/// In pieces of rows whose number depends on the matrix alone, so that the sums are the same on any number of
+/// threads.
+template <class Block>
+void symmetric_multiply(const BlockPattern& pattern, const std::vector<Block>& blocks, const VecX& x,
+                        VecX& y) {
+    constexpr int worth_a_piece = 1000, most_pieces = 16;
+    const int n = pattern.vertex_count();
+    const int pieces = std::clamp(n / worth_a_piece, 1, most_pieces);
+    auto begin = [&](int p) { return static_cast<int>(static_cast<long>(n) * p / pieces); };
+    y.setZero(x.size());
+    std::vector<VecX> behind(pieces);
+    parallel_tasks(pieces, [&](int p) {
+        const int first = begin(p), last = begin(p + 1);
+        int end = last;
+        for (int i = first; i < last; ++i)
+            end = std::max(end, pattern.column[pattern.row_begin[i + 1] - 1] + 1);
+        behind[p].setZero(3 * (end - last));
+        multiply_rows(pattern, blocks, first, last, x, y, behind[p]);
+    });
+    for (int p = 0; p < pieces; ++p) y.segment(3 * begin(p + 1), behind[p].size()) += behind[p];
 }
 
 }  // namespace

@@ -57,11 +57,15 @@ double BarrierContact::value(const VecX& x) const {
 void BarrierContact::add_gradient(const VecX& x, VecX& g) const {
     std::vector<Contact> memory;
     const int n = set_.system().cloth_vertices;
-    for (const Contact& c : set_.contacts(x, memory)) {
-        const Vec12 gc = contact_gradient(c, set_.colliders().points(x, c.points));
+    const std::vector<Contact>& contacts = set_.contacts(x, memory);
+    std::vector<Vec12> gradients(contacts.size());
+    parallel_for(static_cast<int>(contacts.size()), [&](int k) {
+        gradients[k] = contact_gradient(contacts[k], set_.colliders().points(x, contacts[k].points));
+    });
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
         for (int i = 0; i < 4; ++i) {
-            const int v = c.points[i];
-            if (v >= 0 && v < n) g.segment<3>(3 * v) += gc.segment<3>(3 * i);
+            const int v = contacts[k].points[i];
+            if (v >= 0 && v < n) g.segment<3>(3 * v) += gradients[k].segment<3>(3 * i);
         }
     }
     set_.friction().add_gradient(x, g);

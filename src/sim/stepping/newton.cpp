@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "sim/contact/ccd.h"
 #include "sim/stepping/line_search.h"
@@ -298,10 +299,10 @@ StepReport minimize(const NewtonProblem& problem, LinearSolver& solver, NewtonWo
 }
 
 void add_inertia(const Model& model, double h, BlockMatrix& A) {
-    for (std::size_t s = 0; s < A.blocks.size(); ++s) {
+    parallel_for(static_cast<int>(A.blocks.size()), [&](int s) {
         A.blocks[s] *= h * h;
         A.blocks[s].diagonal().array() += model.mass.values[s];
-    }
+    });
 }
 
 }  // namespace cloth
