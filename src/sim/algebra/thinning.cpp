@@ -38,6 +38,18 @@ Thinning::Thinning(const BlockPattern& from, const BlockPattern& to) {
     on_column_.resize(far_.size());
 }
 
+namespace {
+
+/// ±1 for a symmetric B that is positive or negative definite, else 0.
+double definite(const Mat3& B) {
+    if (!((B - B.transpose()).cwiseAbs().maxCoeff() <= 1e-14 * B.cwiseAbs().maxCoeff())) return 0.0;
+    const double sign = B(0, 0) > 0.0 ? 1.0 : -1.0;
+    const double first = sign * B(0, 0), second = B(0, 0) * B(1, 1) - B(0, 1) * B(0, 1);
+    return first > 0.0 && second > 0.0 && sign * B.determinant() > 0.0 ? sign : 0.0;
+}
+
+}  // namespace
+
 void Thinning::apply(const BlockMatrix& A, BlockMatrix& P) {
     P.blocks.resize(source_.size());
     parallel_for(static_cast<int>(source_.size()), [&](int t) {
@@ -56,6 +68,10 @@ void Thinning::apply(const BlockMatrix& A, BlockMatrix& P) {
 }
 
 void split_block(const Mat3& B, Mat3& on_row, Mat3& on_column) {
+    if (const double sign = definite(B); sign != 0.0) {
+        on_row = on_column = sign * B;
+        return;
+    }
     // BᵀB = V S² Vᵀ. What is so small against the rest that its root is only rounding weighs nothing.
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(B.transpose() * B);
     const double least = 1e-24 * eigen.eigenvalues()[2];
