@@ -98,9 +98,8 @@ Clearance::Room Clearance::find(const State& state, const std::vector<double>& r
         for (const int v : mesh_.faces[t]) vertex_reach[v] = std::max(vertex_reach[v], reach[t]);
     std::vector<MovingBox> boxes(mesh_.vertex_count());
     parallel_for(mesh_.vertex_count(), [&](int v) {
-        boxes[v].start.add(Vec3(x.segment<3>(3 * v)));
-        boxes[v].inflate(vertex_reach[v]);
-        boxes[v].end = boxes[v].start;
+        const Vec3 place = x.segment<3>(3 * v);
+        boxes[v] = MovingBox(place, place, vertex_reach[v]);
     });
     const auto pairs = broad_phase_->face_pairs(mesh_, boxes, body_on);
     std::vector<double> gaps(pairs.size());

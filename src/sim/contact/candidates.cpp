@@ -76,9 +76,8 @@ std::vector<Candidate> Candidates::find(const Ways& ways, const MovingColliders&
     auto way = [&](int v) { return Vec3(ways.way.segment<3>(3 * v)); };
     std::vector<MovingBox> boxes(mesh.vertex_count());
     parallel_for(mesh.vertex_count(), [&](int v) {
-        boxes[v].start.add(start(v));
-        boxes[v].end.add(Vec3(start(v) + way(v)));
-        boxes[v].inflate(margin + system_.radius_of(v) + 0.5 * system_.activation);
+        boxes[v] =
+            MovingBox(start(v), start(v) + way(v), margin + system_.radius_of(v) + 0.5 * system_.activation);
     });
     const std::vector<PairCandidate> boxed = broad_phase_.pairs(mesh, boxes, colliders.body_on());
     return parallel_collect<Candidate>(static_cast<int>(boxed.size()), [&](int i,

@@ -21,8 +21,8 @@ std::vector<Overlap> find_overlaps(const ContactSet& set, const VecX& x, std::si
     };
     std::vector<MovingBox> boxes(mesh.vertex_count());
     for (int v = 0; v < mesh.vertex_count(); ++v) {
-        boxes[v].start.add(colliders.point(x, v));
-        boxes[v].end = boxes[v].start;
+        const Vec3 place = colliders.point(x, v);
+        boxes[v] = MovingBox(place, place, 0.0);
     }
     for (const auto& [f, g] : set.candidates().broad_phase().face_pairs(mesh, boxes, colliders.body_on())) {
         if (found.size() >= most) return found;

@@ -22,8 +22,7 @@ TEST_CASE("moving boxes that overlap at some time may meet, and a common way kee
         for (int i = 0; i < 4; ++i) {
             points[i] = {any(), any()};
             points[i][1] += common;
-            boxes[i / 2].start.add(points[i][0]);
-            boxes[i / 2].end.add(points[i][1]);
+            boxes[i / 2].add(MovingBox(points[i][0], points[i][1], 0.0));
         }
         bool overlapped = false;
         for (int k = 0; k <= 50; ++k) {
@@ -71,9 +70,8 @@ TEST_CASE("the broad phase lists exactly the pairs whose boxes may meet", "[coll
                 return Vec3(Vec3(x.segment<3>(3 * v)) +
                             0.2 * Vec3(uniform(random), uniform(random), uniform(random)));
             };
-            boxes[v].start.add(place());
-            boxes[v].end.add(place());
-            boxes[v].inflate(0.05);
+            const Vec3 start = place(), end = place();
+            boxes[v] = MovingBox(start, end, 0.05);
         }
         std::vector<std::uint8_t> on(mesh.bodies.size(), 1);
         on[trial % on.size()] = trial % 3 != 0;
