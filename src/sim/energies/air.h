@@ -46,6 +46,7 @@ class AirEnergy final : public StageEnergy {
     double value(const VecX& x) const override;
     void add_gradient(const VecX& x, VecX& g) const override;
     void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const override;
+    bool constant_hessian() const override { return true; }
     void append_pairs(std::vector<std::array<int, 2>>& pairs) const override {
         elements_.append_pairs(pairs);
     }

@@ -68,6 +68,7 @@ class BendingEnergy final : public Energy {
     double value(const VecX& x) const override;
     void add_gradient(const VecX& x, VecX& g) const override;
     void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const override;
+    bool constant_hessian() const override { return true; }
     void append_pairs(std::vector<std::array<int, 2>>& pairs) const override { patches_.append_pairs(pairs); }
     void bind(const BlockPattern& pattern) override;
 
@@ -133,6 +134,7 @@ class BendingViscosity final : public StageEnergy {
     double value(const VecX& x) const override;
     void add_gradient(const VecX& x, VecX& g) const override;
     void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const override;
+    bool constant_hessian() const override { return true; }
     void append_pairs(std::vector<std::array<int, 2>>& pairs) const override { patches_.append_pairs(pairs); }
     void bind(const BlockPattern& pattern) override { patches_.bind(pattern); }
 

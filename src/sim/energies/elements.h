@@ -55,19 +55,29 @@ class Elements {
         }
     }
 
-    /// gradient(e) → Gradient, added to g.
+    /// gradient(e) → Gradient, added to g; the same of skip(e).
     template <class F>
     void add_gradient(VecX& g, const F& gradient) const {
+        add_gradient(g, gradient, [](int) { return false; });
+    }
+    template <class F, class Skip>
+    void add_gradient(VecX& g, const F& gradient, const Skip& skip) const {
         for_each([&](int e) {
+            if (skip(e)) return;
             const Gradient ge = gradient(e);
             for (int i = 0; i < K; ++i) g.segment<3>(3 * stencils_[e][i]) += ge.template segment<3>(3 * i);
         });
     }
 
-    /// hessian(e) → symmetric Hessian, added to H.
+    /// hessian(e) → symmetric Hessian, added to H; of elements with skip(e) it is known to be 0.
     template <class F>
     void add_hessian(BlockMatrix& H, const F& hessian) const {
+        add_hessian(H, hessian, [](int) { return false; });
+    }
+    template <class F, class Skip>
+    void add_hessian(BlockMatrix& H, const F& hessian, const Skip& skip) const {
         for_each([&](int e) {
+            if (skip(e)) return;
             const Hessian He = hessian(e);
             int p = 0;
             for (int i = 0; i < K; ++i) {

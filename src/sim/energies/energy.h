@@ -30,6 +30,8 @@ class Energy {
     virtual void add_gradient(const VecX& x, VecX& g) const = 0;
     /// Adds the Hessian [N/m] of the kind asked for.
     virtual void add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const = 0;
+    /// Whether that is the same, of any kind, at all x of a stage: then it is asked for once a stage.
+    virtual bool constant_hessian() const { return false; }
 
     /// Lists the pairs of vertices that a Hessian block couples; diagonal blocks need no mention.
     virtual void append_pairs(std::vector<std::array<int, 2>>& pairs) const = 0;

@@ -14,6 +14,7 @@ class GravityEnergy final : public Energy {
     double value(const VecX& x) const override { return weight_.dot(x); }
     void add_gradient(const VecX&, VecX& g) const override { g += weight_; }
     void add_hessian(const VecX&, HessianKind, BlockMatrix&) const override {}
+    bool constant_hessian() const override { return true; }
     void append_pairs(std::vector<std::array<int, 2>>&) const override {}
     void bind(const BlockPattern&) override {}
 

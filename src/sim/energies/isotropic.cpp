@@ -51,6 +51,13 @@ Mat32 deformation(const TriangleRest& rest, const Vec9& q9) {
     return q9.reshaped(3, 3) * rest.b;
 }
 
+/// s0², the greater of the two.
+double greatest_squared(const Mat32& G) {
+    const double a = G.col(0).squaredNorm(), b = G.col(1).squaredNorm(), shear = G.col(0).dot(G.col(1));
+    const double half = 0.5 * (a - b);
+    return 0.5 * (a + b) + std::sqrt(half * half + shear * shear);
+}
+
 template <class Law>
 Vec9 element_gradient(const TriangleRest& rest, const Law& law, const Vec9& q9) {
     const Stretches k(deformation(rest, q9));
@@ -124,6 +131,11 @@ StretchDerivatives NeoHookean::derivatives(double s0, double s1) const {
             .flip = 2.0 * mu - pressure};
 }
 
+bool StrainLimit::idle(double greatest_squared) const {
+    const double start = 0.5 * (1.0 + limit);
+    return greatest_squared <= start * start;
+}
+
 double StrainLimit::value(double s0, double s1) const {
     const double start = 0.5 * (1.0 + limit), w = limit - start;
     return stiffness * w * w * (Barrier((s0 - start) / w).value + Barrier((s1 - start) / w).value);
@@ -151,8 +163,14 @@ IsotropicEnergy<Law>::IsotropicEnergy(std::string_view name, std::vector<std::ar
     : name_(name), elements_(std::move(triangles)), rest_(std::move(rest)), laws_(std::move(laws)) {}
 
 template <class Law>
+bool IsotropicEnergy<Law>::idle(const VecX& x, int t) const {
+    return laws_[t].idle(greatest_squared(deformation(rest_[t], elements_.gather(x, t))));
+}
+
+template <class Law>
 double IsotropicEnergy<Law>::value(const VecX& x) const {
     return elements_.sum([&](int t) {
+        if (idle(x, t)) return 0.0;
         const Stretches k(deformation(rest_[t], elements_.gather(x, t)));
         return rest_[t].volume * laws_[t].value(k.s0, k.s1);
     });
@@ -161,14 +179,18 @@ double IsotropicEnergy<Law>::value(const VecX& x) const {
 template <class Law>
 void IsotropicEnergy<Law>::add_gradient(const VecX& x, VecX& g) const {
     elements_.add_gradient(
-        g, [&](int t) { return element_gradient(rest_[t], laws_[t], elements_.gather(x, t)); });
+        g, [&](int t) { return element_gradient(rest_[t], laws_[t], elements_.gather(x, t)); },
+        [&](int t) { return idle(x, t); });
 }
 
 template <class Law>
 void IsotropicEnergy<Law>::add_hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
-    elements_.add_hessian(H, [&](int t) {
-        return element_hessian(rest_[t], laws_[t], elements_.gather(x, t), kind != HessianKind::exact);
-    });
+    elements_.add_hessian(
+        H,
+        [&](int t) {
+            return element_hessian(rest_[t], laws_[t], elements_.gather(x, t), kind != HessianKind::exact);
+        },
+        [&](int t) { return idle(x, t); });
 }
 
 template class IsotropicEnergy<NeoHookean>;

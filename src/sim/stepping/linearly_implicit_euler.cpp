@@ -18,7 +18,6 @@ bool step_linearly_implicit_euler(Step& step) {
     const HessianKind kind = model.scene.simulation.hessian == LinearHessian::assignment
                                  ? HessianKind::assignment
                                  : HessianKind::projected;
-    w.system.inside.reset(model.pattern);
     terms.hessian(start, kind, w.system.inside);
     add_inertia(model, dt, w.system.inside);
     terms.gradient(start, w.gradient);

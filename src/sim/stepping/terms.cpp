@@ -16,6 +16,10 @@ Terms::Terms(const Model& model) : model_(model), stage_energies_(make_stage_ene
 
 void Terms::begin(const Stage& stage, double dissipation) {
     list(stage, dissipation);
+    constant_.reset(model_.pattern);
+    for (const Term& term : terms_) {
+        if (term.energy->constant_hessian()) add_hessian(term, stage.start, HessianKind::exact, constant_);
+    }
     if (!contact_) return;
     const auto& colliders = model_.scene.colliders;
     contact_->begin(stage.start, stage.past.front().positions, stage.h,
@@ -69,16 +73,21 @@ void Terms::gradient(const VecX& x, VecX& g) const {
 }
 
 void Terms::hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const {
+    H.blocks = constant_.blocks;
     for (const Term& term : terms_) {
-        if (term.weight == 1.0) {
-            term.energy->add_hessian(x, kind, H);
-        } else {
-            BlockMatrix part;
-            part.blocks.assign(H.blocks.size(), Mat3::Zero());
-            term.energy->add_hessian(x, kind, part);
-            for (std::size_t s = 0; s < H.blocks.size(); ++s) H.blocks[s] += term.weight * part.blocks[s];
-        }
+        if (!term.energy->constant_hessian()) add_hessian(term, x, kind, H);
     }
+}
+
+void Terms::add_hessian(const Term& term, const VecX& x, HessianKind kind, BlockMatrix& H) const {
+    if (term.weight == 1.0) {
+        term.energy->add_hessian(x, kind, H);
+        return;
+    }
+    BlockMatrix part;
+    part.reset(model_.pattern);
+    term.energy->add_hessian(x, kind, part);
+    for (std::size_t s = 0; s < H.blocks.size(); ++s) H.blocks[s] += term.weight * part.blocks[s];
 }
 
 double Terms::stored(const State& state) {

@@ -27,7 +27,7 @@ class Terms {
     // Of the stage last begun, barrier contact apart.
     double value(const VecX& x) const;
     void gradient(const VecX& x, VecX& g) const;
-    /// Adds it.
+    /// Leaves it in H.
     void hessian(const VecX& x, HessianKind kind, BlockMatrix& H) const;
 
     /// Barrier contact: the one term that says how far a step may go, and whose Hessian couples more than the
@@ -48,6 +48,7 @@ class Terms {
         double weight = 1.0;
     };
     void list(const Stage& stage, double dissipation);
+    void add_hessian(const Term& term, const VecX& x, HessianKind kind, BlockMatrix& H) const;
 
     const Model& model_;
     std::vector<std::unique_ptr<StageEnergy>> stage_energies_;
@@ -56,6 +57,7 @@ class Terms {
     std::optional<ContactSet> contact_;
     std::optional<BarrierContact> barrier_;
     std::vector<Term> terms_;
+    BlockMatrix constant_;  ///< Hessian of those whose it is constant, in this stage
 };
 
 /// Colliders that are on and that cloth feels.
