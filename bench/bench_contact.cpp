@@ -10,9 +10,9 @@
 //
 // A sheet of 1 m drapes over a sphere ("drape") or falls edge-on onto a floor ("pile"): E h = 500 N/m,
 // D = 1e-5 N m, 0.15 kg/m², friction 0.3, implicit Euler, self-contact on. Any other scene is one of the
-// program's, which keeps its own settings but for --vertices:
+// program's, which keeps its own settings but for --vertices and --set:
 //
-//   bench_contact --scene drape_sphere --vertices 100 --frames 300
+//   bench_contact --scene drape_sphere --vertices 100 --frames 300 --set simulation.accuracy=draft
 
 #include <chrono>
 #include <cmath>
@@ -33,12 +33,15 @@ struct Options {
     std::string scene = "drape", write, compare;
     int vertices = 100, frames = 30, frame_rate = 60, substeps = 1, iterations = 100, threads = 0;
     double tolerance = 1e-6, newton_speed = 0.03, sliding_speed = 1e-3;
+    std::vector<std::string> set;
     bool quiet = false, single = false;
 };
 
 Scene make_scene(const Options& o) {
     if (o.scene != "drape" && o.scene != "pile") {
-        return pipeline::load_scene(o.scene, {"cloth.resolution=" + std::to_string(o.vertices)}).scene;
+        pipeline::Overrides set(o.set.begin(), o.set.end());
+        set.push_back("cloth.resolution=" + std::to_string(o.vertices));
+        return pipeline::load_scene(o.scene, set).scene;
     }
     Scene scene;
     scene.simulation.frame_rate = o.frame_rate;
@@ -105,6 +108,8 @@ int main(int argc, char** argv) {
             o.frame_rate = std::stoi(value);
         else if (key == "--substeps")
             o.substeps = std::stoi(value);
+        else if (key == "--set")
+            o.set.push_back(value);
         else if (key == "--threads")
             o.threads = std::stoi(value);
         else if (key == "--iterations")

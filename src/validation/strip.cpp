@@ -10,6 +10,7 @@ namespace cloth::validation {
 Scene contact_free_scene() {
     Scene scene;
     scene.simulation.contact = ContactKind::velocity_filter;  // of colliders, and there are none
+    scene.simulation.accuracy = Accuracy::reference;
     return scene;
 }
 

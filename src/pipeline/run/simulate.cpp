@@ -63,7 +63,8 @@ std::string why_not_converged(const Simulation& simulation, const FrameReport& r
     std::string text =
         fmt::format("the step from {:.6g} s did not converge, not even cut into {} parts", state.time, parts);
     if (std::isfinite(report.residual) && report.residual > 0.0) {
-        text += fmt::format(": residual {:.2g}, must be {:.2g}", report.residual, settings.newton_tolerance);
+        text +=
+            fmt::format(": residual {:.2g}, must be {:.2g}", report.residual, settings.stopping().tolerance);
     }
     if (report.worst_vertex) {
         const Vec3 place = state.positions.segment<3>(3 * *report.worst_vertex);

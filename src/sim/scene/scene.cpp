@@ -298,6 +298,21 @@ void validate_event(const EventDesc& e, std::size_t i, std::size_t colliders) {
 
 }  // namespace
 
+StoppingLimits SimulationDesc::stopping() const {
+    constexpr double residual = 1e-6;
+    if (newton_tolerance || newton_speed)
+        return {newton_tolerance.value_or(residual), newton_speed.value_or(0.0), 0.0};
+    switch (accuracy) {
+        case Accuracy::draft:
+            return {residual, 0.3, 0.3};
+        case Accuracy::fine:
+            return {residual, 0.03, 0.05};
+        case Accuracy::reference:
+            break;
+    }
+    return {residual, 0.0, 0.0};
+}
+
 int SimulationDesc::steps_per_frame() const {
     if (substeps) return *substeps;
     if (!time_step) return 1;

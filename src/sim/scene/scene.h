@@ -268,6 +268,22 @@ enum class ContactKind {
     barrier,          ///< nothing ever passes through anything: cloth, itself and colliders, with friction
 };
 
+/// How far each step of an implicit integrator is solved.
+enum class Accuracy {
+    draft,      ///< previews: a tenth of the cloth's own speed, or 0.3 m/s
+    fine,       ///< shape, motion and energy as a solved step's, wrinkles chosen by chance
+    reference,  ///< by the residual alone
+};
+
+/// When a solve ends: where the residual is no more than `tolerance` of the step's start, or after an
+/// iteration that moves no vertex faster than `speed`, or than `share` of the cloth's own speed (root of the
+/// mean square), once the forces left change no cloth's mean velocity by a hundredth of that.
+struct StoppingLimits {
+    double tolerance;
+    double speed;  ///< [m/s]; 0, and no share: by the residual alone
+    double share;
+};
+
 struct SimulationDesc {
     Vec3 gravity{0.0, -9.81, 0.0};  ///< [m/s²]
     double frame_rate = 60.0;       ///< frames per second of simulated time; frame k stands at k / frame_rate
@@ -282,15 +298,17 @@ struct SimulationDesc {
     std::optional<double> sliding_speed;
     /// Of `barrier`: gap at which repulsion begins [m]; default: usual_length(1e-3), of the cloths the least.
     std::optional<double> contact_activation;
-    int newton_iterations = 100;     ///< most Newton iterations of one solve
-    double newton_tolerance = 1e-6;  ///< residual |g| / |g at the step's start| at which Newton stops
-    /// Of `barrier`: Newton stops as well after a step in which no vertex goes farther than this speed's way
-    /// in a time step, where the force left on each cloth as a whole would change its mean velocity by less
-    /// than a hundredth of it [m/s]; 0: by the residual alone.
-    double newton_speed = 0.03;
+    int newton_iterations = 100;  ///< most Newton iterations of one solve
+    Accuracy accuracy = Accuracy::fine;
+    /// In the place of `accuracy`: StoppingLimits::tolerance, 1e-6 where only the other is said;
+    std::optional<double> newton_tolerance;
+    /// and StoppingLimits::speed [m/s], 0 where only the other is said.
+    std::optional<double> newton_speed;
     int retries = 8;  ///< times that a step which does not converge is halved before the run stops
     AirDesc air;
 
+    /// What the fields above amount to.
+    StoppingLimits stopping() const;
     /// Steps per frame that the fields above amount to.
     int steps_per_frame() const;
     /// Length of one step [s].

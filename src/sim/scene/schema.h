@@ -135,6 +135,8 @@ inline constexpr EnumName<Switch> switch_names[] = {
     {Switch::on, "on"}, {Switch::off, "off"}, {Switch::toggle, "toggle"}};
 inline constexpr EnumName<LinearHessian> hessian_names[] = {{LinearHessian::assignment, "assignment"},
                                                             {LinearHessian::projected, "projected"}};
+inline constexpr EnumName<Accuracy> accuracy_names[] = {
+    {Accuracy::draft, "draft"}, {Accuracy::fine, "fine"}, {Accuracy::reference, "reference"}};
 inline constexpr EnumName<ContactKind> contact_names[] = {{ContactKind::velocity_filter, "velocity_filter"},
                                                           {ContactKind::penalty, "penalty"},
                                                           {ContactKind::barrier, "barrier"}};
@@ -163,6 +165,9 @@ constexpr std::span<const EnumName<Switch>> names_of(Switch) {
 }
 constexpr std::span<const EnumName<LinearHessian>> names_of(LinearHessian) {
     return hessian_names;
+}
+constexpr std::span<const EnumName<Accuracy>> names_of(Accuracy) {
+    return accuracy_names;
 }
 constexpr std::span<const EnumName<ContactKind>> names_of(ContactKind) {
     return contact_names;
@@ -227,11 +232,15 @@ void describe(V& v, SimulationDesc& s) {
       "cloth here has by default");
     v("newton_iterations", s.newton_iterations, "", range(1, 1e6),
       "most of one solve; of all but linearly_implicit_euler");
+    v("accuracy", s.accuracy,
+      "how far each step is solved: until an iteration moves no vertex faster than a share of the cloth's "
+      "own "
+      "speed; reference: by the residual alone");
     v("newton_tolerance", s.newton_tolerance, "", between(0.0, 1.0),
-      "residual at which a solve stops, against the step's start");
+      "in place of accuracy: residual at which a solve stops, against the step's start; default: 1e-6");
     v("newton_speed", s.newton_speed, "m/s", ranges::speed,
-      "of contact = \"barrier\": a solve stops as well where its last step moves no vertex faster, and the "
-      "forces left no cloth's mean by a hundredth of it; 0: by newton_tolerance alone");
+      "in place of accuracy: a solve stops as well where its last iteration moves no vertex faster, and the "
+      "forces left no cloth's mean by a hundredth of it; default: 0, by newton_tolerance alone");
     v("retries", s.retries, "", range(0, 20), "times that a step which does not converge is halved");
 }
 

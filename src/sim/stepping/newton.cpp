@@ -23,12 +23,11 @@ class Minimization {
           contact_(problem.terms.contact()),
           barrier_(problem.terms.barrier()),
           h2_(problem.h * problem.h) {
-        const SimulationDesc& options = p_.model.scene.simulation;
-        rule_.tolerance = options.newton_tolerance;
-        if (barrier_) rule_.speed = options.newton_speed;
+        rule_.limits = p_.model.scene.simulation.stopping();
     }
 
     bool run(VecX& x) {
+        w_.before = x;
         // Where the step begins in balance, the weight sets the scale.
         rule_.scale = std::max(gradient(x), 1e-2 * p_.model.weight);
         if (!std::isfinite(rule_.scale)) {
@@ -42,10 +41,14 @@ class Minimization {
             return false;
         }
         double value = objective(x);
-        make_first_guess(x);
-        if (const double guess = objective(w_.trial); guess < value) {
-            x = w_.trial;
-            value = guess;
+        for (const bool falls : {true, false}) {
+            make_first_guess(x, falls);
+            if (const double guess = objective(w_.trial); guess < value) {
+                x = w_.trial;
+                value = guess;
+                break;
+            }
+            if (!barrier_) break;
         }
         double norm = gradient(x);
         const double extent = x.cwiseAbs().maxCoeff();
@@ -57,6 +60,7 @@ class Minimization {
             const double way = w_.direction.cwiseAbs().maxCoeff();
             converged = rule_.lost_in_rounding(norm, stiffness(), way, extent);
             if (converged) break;
+            rule_.own = (x - w_.before).norm() / (p_.h * std::sqrt(p_.model.vertex_count()));
             slow_ = rule_.slow(way, p_.h);
             const double slope = -w_.rhs.dot(w_.direction) / h2_;
             const double rounding = 1e-13 * (std::abs(value) + p_.model.weight * extent);
@@ -113,7 +117,6 @@ class Minimization {
     /// M + h² H. Contact's part is always projected; `slides`: that of its friction.
     void assemble(const VecX& x, HessianKind kind, HessianKind slides, BlockMatrix& inside) {
         const TimedScope watch(times_.assembly);
-        inside.reset(p_.model.pattern);
         p_.terms.hessian(x, kind, inside);
         if (barrier_) {
             contact_->find(x);
@@ -134,7 +137,9 @@ class Minimization {
     bool find_direction(const VecX& x, double norm) {
         const bool near = rule_.near(norm);
         const HessianKind slides = near || slow_ ? HessianKind::exact : HessianKind::projected;
-        const double tolerance = std::clamp(0.02 * norm / rule_.scale, 1e-4, 0.02);
+        // The energy norm of what is left of the direction; more than this and iterations are wasted.
+        constexpr double loosest = 0.1, tightest = 1e-4;
+        const double tolerance = std::clamp(loosest * norm / rule_.scale, tightest, loosest);
         if (near || (!barrier_ && !w_.indefinite)) {
             assemble(x, HessianKind::exact, slides, w_.system.inside);
             w_.indefinite = !solve(tolerance, false);
@@ -179,23 +184,23 @@ class Minimization {
     }
 
     /// Where inertia and, among barriers, gravity would take x, with the pins where they go.
-    VecX way_to_guess(const VecX& x) const {
+    VecX way_to_guess(const VecX& x, bool falls) const {
         VecX way = p_.y - x;
         const Vec3 fall = h2_ * p_.model.scene.simulation.gravity;
-        way.reshaped(3, way.size() / 3).colwise() += fall;
+        if (falls) way.reshaped(3, way.size() / 3).colwise() += fall;
         set_pinned_way(p_.pins, x, way);
         return way;
     }
 
     /// Leaves it in trial.
-    void make_first_guess(const VecX& x) {
+    void make_first_guess(const VecX& x, bool falls) {
         if (!barrier_) {
             w_.trial = p_.y;
             place_pinned(p_.pins, w_.trial);
             return;
         }
         const TimedScope watch(times_.detection);
-        w_.trial = x + truncated_way(*contact_, x, way_to_guess(x));
+        w_.trial = x + truncated_way(*contact_, x, way_to_guess(x, falls));
     }
 
     /// Takes pins and colliders to the stage's end.
@@ -246,12 +251,12 @@ class Minimization {
     /// By the first guess as a whole; false, and x as it was, where the way there is not free.
     bool place_at_once(VecX& x) {
         if (barrier_) {
-            const VecX way = way_to_guess(x);
+            const VecX way = way_to_guess(x, true);
             if (largest_share_placing(x, way) < 1.0) return false;
             w_.trial = x + way;
             place_pinned(p_.pins, w_.trial);
         } else {
-            make_first_guess(x);
+            make_first_guess(x, true);
         }
         if (!std::isfinite(p_.terms.value(w_.trial))) return false;
         x = w_.trial;

@@ -14,6 +14,7 @@
 //    always projecting costs the quadratic convergence. Each step is shortened to what continuous collision
 //    detection says is free, then by Armijo's rule, until the StoppingRule holds.
 
+#include <algorithm>
 #include <atomic>
 #include <vector>
 
@@ -36,21 +37,20 @@ struct NewtonProblem {
 
 /// When a minimisation ends. |∇Φ| is that of the free vertices.
 struct StoppingRule {
-    /// Ends where |∇Φ| ≤ tolerance · scale.
-    double tolerance = 0.0;
+    StoppingLimits limits{};
     double scale = 0.0;  ///< |∇Φ| where it started, at least a hundredth of the cloth's weight [N]
-    /// Among barriers it ends as well after a step slower than this [m/s] once no cloth as a whole is left
-    /// with a force that matters: inner forces cancel in it, so what is left is missing impact, weight or
-    /// friction, which a stiff contact would hide from the size of the step. 0: never.
-    double speed = 0.0;
+    double own = 0.0;    ///< the cloth's speed in this stage, root of the mean square [m/s]
 
-    bool converged(double gradient) const { return gradient <= tolerance * scale; }
+    bool converged(double gradient) const { return gradient <= limits.tolerance * scale; }
     /// Near enough for the exact Hessian.
     bool near(double gradient) const { return gradient < 1e-2 * scale; }
+    double speed() const { return std::max(limits.speed, limits.share * own); }
     /// `way`: the greatest of any vertex in a step of length h.
-    bool slow(double way, double h) const { return way < speed * h; }
+    bool slow(double way, double h) const { return way < speed() * h; }
+    /// No cloth as a whole is left with a force that matters: inner forces cancel in it, so what is left is
+    /// missing impact, weight or friction, which a stiff contact would hide from the size of the step.
     /// `net`: greatest change of any cloth's mean velocity by the forces left [m/s].
-    bool at_rest(double net) const { return net < 0.01 * speed; }
+    bool at_rest(double net) const { return net < 0.01 * speed(); }
     /// Of positions as large as `extent`, rounding alone is worth this much gradient (`stiffness`: norm of
     /// the Hessian's diagonal [N/m]) or this long a step: nothing smaller can be asked for.
     bool lost_in_rounding(double gradient, double stiffness, double way, double extent) const {
@@ -63,7 +63,7 @@ struct NewtonWorkspace {
     SystemMatrix system;
     BlockMatrix exact, projected;  ///< what `system` is mixed of where the exact one is indefinite
     bool indefinite = false;       ///< it was, when last looked at
-    VecX gradient, rhs, direction, product, residual, momentum, trial, start;
+    VecX gradient, rhs, direction, product, residual, momentum, trial, start, before;
     const std::atomic<bool>* stop = nullptr;  ///< looked at before every iteration; null: nobody stops
 
     bool stopping() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }

@@ -166,8 +166,29 @@ TEST_CASE("a factor goes without bending's second ring, and keeps all else", "[n
     CHECK(near.row_begin == expected.row_begin);
 }
 
+TEST_CASE("accuracy says when a solve ends unless a scene says it in numbers", "[newton]") {
+    SimulationDesc options;
+    const StoppingLimits fine = options.stopping();
+    options.accuracy = Accuracy::draft;
+    const StoppingLimits draft = options.stopping();
+    CHECK(draft.speed > fine.speed);
+    CHECK(draft.share > fine.share);
+    options.accuracy = Accuracy::reference;
+    CHECK(options.stopping().speed == 0.0);
+    CHECK(options.stopping().share == 0.0);
+    CHECK(options.stopping().tolerance == 1e-6);
+    options.newton_speed = 0.2;
+    CHECK(options.stopping().speed == 0.2);
+    CHECK(options.stopping().share == 0.0);
+    CHECK(options.stopping().tolerance == 1e-6);
+    options.newton_tolerance = 1e-3;
+    CHECK(options.stopping().tolerance == 1e-3);
+    options.newton_speed.reset();
+    CHECK(options.stopping().speed == 0.0);
+}
+
 TEST_CASE("the rule ends a minimisation by its residual, at rest, or where rounding rules", "[newton]") {
-    StoppingRule rule{.tolerance = 1e-3, .scale = 50.0, .speed = 0.03};
+    StoppingRule rule{.limits = {.tolerance = 1e-3, .speed = 0.03, .share = 0.05}, .scale = 50.0};
     CHECK(rule.converged(0.05));
     CHECK_FALSE(rule.converged(0.051));
     CHECK(rule.near(0.49));
@@ -177,7 +198,12 @@ TEST_CASE("the rule ends a minimisation by its residual, at rest, or where round
     CHECK_FALSE(rule.slow(0.0031, 0.1));
     CHECK(rule.at_rest(0.00029));
     CHECK_FALSE(rule.at_rest(0.00031));
-    rule.speed = 0.0;
+    // Of a cloth at 2 m/s the share counts, below 1 cm.
+    rule.own = 2.0;
+    CHECK(rule.slow(0.0099, 0.1));
+    CHECK_FALSE(rule.slow(0.0101, 0.1));
+    CHECK(rule.at_rest(0.00099));
+    rule.limits = {.tolerance = 1e-3, .speed = 0.0, .share = 0.0};
     CHECK_FALSE(rule.slow(0.0, 0.1));
     // Positions of a metre, a stiffness of 1e6 N/m: 4e-10 N.
     CHECK(rule.lost_in_rounding(3e-10, 1e6, 1.0, 1.0));
