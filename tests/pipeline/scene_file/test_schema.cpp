@@ -179,8 +179,8 @@ void check_only(SceneFile& base, SceneFile& set, const std::string& key, const s
 TEST_CASE("every key is read into its own place, written, and read back to the bit", "[scene_file]") {
     const TemporaryFolder folder;
     const MeshData rest = make_grid({.resolution = {3, 3}});
-    spit(folder / "rest.ply", ply_text(rest));
-    spit(folder / "print.ply", ply_text(rest));
+    spit(folder / "rest.ply", ply_bytes(rest));
+    spit(folder / "print.ply", ply_bytes(rest));
     render::write_png({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, folder / "print.png");
     const std::map<std::string, Setting> special = settings(folder.path());
     SceneFile each = scene_of_each();
@@ -274,7 +274,7 @@ TEST_CASE("single-precision numbers are written as typed", "[scene_file]") {
 
 TEST_CASE("a scene can be written with its files under other names", "[scene_file]") {
     const TemporaryFolder folder;
-    spit(folder / "rest.ply", ply_text(make_grid({.resolution = {3, 3}})));
+    spit(folder / "rest.ply", ply_bytes(make_grid({.resolution = {3, 3}})));
     const SceneFile f =
         parse_scene(sheet("mesh = \"rest.ply\"\npose = \"rest.ply\"\n"), "s.toml", folder.path());
     const std::string text = f.resolved({{"cloth[0].mesh", "meshes/a.obj"}});
