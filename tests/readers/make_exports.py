@@ -4,8 +4,11 @@ make_exports.py PROGRAM FOLDER
 """
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
+
+import reference
 
 SCENE = """
 version = 1
@@ -33,6 +36,13 @@ path = [{ time = 0.0 }, { time = 0.2, translate = [0.1, 0.05, 0.0], rotate = [0.
 name = "block"
 shape = "box"
 center = [0.0, -0.6, 0.0]
+[[collider]]
+name = "leaf"
+shape = "mesh"
+mesh = "leaf.obj"
+cache = "leaf.pc2"
+cache_rate = 30.0
+center = [2.0, 0.0, 0.0]
 [[event]]
 time = 0.1
 collider = "block"
@@ -46,6 +56,11 @@ def main(program, folder):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     (folder / "small.toml").write_text(SCENE)
+    leaf = [reference.leaf(k) for k in reference.FRAMES]
+    (folder / "leaf.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in leaf[0]) + "f 1 2 3\nf 1 3 4\n")
+    numbers = [number for frame in leaf for point in frame for number in point]
+    (folder / "leaf.pc2").write_bytes(b"POINTCACHE2\0" + struct.pack("<iiffi", 1, 4, 0.0, 1.0, len(leaf)) +
+                                      struct.pack(f"<{len(numbers)}f", *numbers))
 
     def run(*arguments):
         subprocess.run([program, *arguments, "--quiet"], cwd=folder, check=True, stdout=subprocess.DEVNULL)

@@ -76,6 +76,7 @@ def read(folder):
         for k in reference.FRAMES:
             for sheet in reference.frame(folder, k):
                 near(y_up(seen(sheet["name"], k)), sheet["v"], name, k)
+            near(y_up(seen("leaf", k)), reference.placed_leaf(k), name, "leaf", k)
         for sheet in reference.frame(folder, 0):
             mesh = bpy.data.objects[sheet["name"]].data
             sheet_of(mesh, sheet, name)

@@ -28,6 +28,10 @@ for c, name in enumerate(("front_panel", "back")):
     assert np.allclose(np.array(uv), np.array(sheet["vt"]), atol=1e-6)
     bound = UsdShade.MaterialBindingAPI(mesh.GetPrim()).ComputeBoundMaterial()[0]
     assert str(bound.GetPath()) == "/World/Materials/" + name
+leaf = UsdGeom.Mesh(stage.GetPrimAtPath("/World/leaf"))
+for k in reference.FRAMES:
+    moved = np.array(leaf.GetPointsAttr().Get(k))
+    assert np.abs(moved - np.array(reference.placed_leaf(k))).max() <= reference.TOLERANCE
 ball, block = (UsdGeom.Mesh(stage.GetPrimAtPath("/World/" + name)) for name in ("ball", "block"))
 placed = ball.ComputeLocalToWorldTransform(8).ExtractTranslation()
 assert np.allclose(np.array(placed), [0.1, 0.05, 0.0], atol=1e-9)

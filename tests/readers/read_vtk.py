@@ -55,9 +55,13 @@ for k in reference.FRAMES:
         # Of the ball and the block, whose top is 0.35 m under the ball's middle.
         gap = np.minimum(np.linalg.norm(points, axis=1) - 0.15, points[:, 1] + 0.35)
         assert np.allclose(array(data, "gap"), gap, atol=1e-6)
+for k in reference.FRAMES:
+    mesh = read(colliders[k].get("file"))
+    leaf = vtk_to_numpy(mesh.GetPoints().GetData())[triangles(mesh)[array(mesh.GetCellData(), "object") == 2]]
+    assert np.array_equal(leaf.reshape(-1, 3), np.array(reference.placed_leaf(k))), k  # to the bit
 ball = [vtk_to_numpy(read(entry.get("file")).GetPoints().GetData()) for entry in colliders]
 assert len(ball[0]) == len(ball[8]) + 36  # the corners of the block's triangles are gone
-count = len(ball[8])
+count = len(ball[8]) - len(reference.LEAF_CORNERS)
 assert np.allclose(ball[8][:count].mean(axis=0) - ball[0][:count].mean(axis=0), [0.1, 0.05, 0.0], atol=5e-3)
 one = read("one.vtp")
 assert np.array_equal(vtk_to_numpy(one.GetPoints().GetData()),

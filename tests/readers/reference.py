@@ -6,6 +6,19 @@ FRAMES = range(9)
 TOLERANCE = 1e-6  # [m]; that of the formats whose numbers are floats
 
 
+def leaf(k):
+    """A collider that bends, before it is moved by LEAF_CENTER: exact in floats."""
+    return [(0.0, 0.0, 0.0), (0.5, 0.125 * k, 0.0), (0.5, 0.125 * k, -0.5), (0.0, 0.0, -0.5)]
+
+
+LEAF_CENTER = (2.0, 0.0, 0.0)
+LEAF_CORNERS = (0, 1, 2, 0, 2, 3)  # its triangles have corners of their own
+
+
+def placed_leaf(k):
+    return [[p + c for p, c in zip(leaf(k)[i], LEAF_CENTER)] for i in LEAF_CORNERS]
+
+
 def skip(what):
     """CTest shows the test as skipped."""
     print("skipped: " + what)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ using TexturePoints = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 /// A collider that pictures show, where it stands without keys and spin.
 struct ExportCollider {
     std::string name;
-    Surface surface;
+    Surface surface;  ///< of one that bends, as it is at time 0
     render::Material material;
+    bool bends = false;
 };
 
 /// What is the same in all frames.
@@ -53,6 +55,7 @@ struct ExportScene {
 struct ColliderPose {
     bool on = true;
     Placement placement;
+    std::optional<Surface> bent = {};  ///< of one that bends: before the placement, of the same triangles
 };
 
 /// Where pictures are taken from.

@@ -110,7 +110,8 @@ class Gltf : public Exporter {
 
     void begin(const ExportScene& scene) override {
         scene_ = &scene;
-        const double frames = static_cast<double>(scene.frames.size()), n = scene.vertex_count();
+        const double frames = static_cast<double>(scene.frames.size()),
+                     n = scene.vertex_count() + bending_vertices(scene);
         require_room(n * 8.0 + 24.0 * n * frames + 12.0 * scene.triangle_count() + 4.0 * frames * frames);
         buffer_.emplace(binary_ ? path_ : bin());
     }
@@ -119,13 +120,20 @@ class Gltf : public Exporter {
             for (std::size_t c = 0; c < scene_->topology.cloths.size(); ++c) first(c, frame);
             for (std::size_t c = 0; c < scene_->colliders.size(); ++c) {
                 const ExportCollider& collider = scene_->colliders[c];
-                add_mesh(collider.name, collider.surface.positions, collider.surface.normals, {},
-                         collider.surface.triangles, collider.material);
+                const auto& bent = frame.colliders.at(c).bent;
+                const Surface& surface = bent ? *bent : collider.surface;
+                if (bent) {
+                    add_bending(collider.name, surface.positions, surface.normals, {}, surface.triangles,
+                                collider.material);
+                } else {
+                    add_mesh(collider.name, surface.positions, surface.normals, {}, surface.triangles,
+                             collider.material);
+                }
                 tracks_.emplace_back(nodes_.size() - 1, scene_->frames.size());
             }
             add_camera(frame.camera);
         } else {
-            for (std::size_t c = 0; c < scene_->topology.cloths.size(); ++c) later(c, frame);
+            later(frame);
         }
         for (std::size_t c = 0; c < scene_->colliders.size(); ++c) {
             const ColliderPose& pose = frame.colliders.at(c);
@@ -168,6 +176,12 @@ class Gltf : public Exporter {
   private:
     fs::path bin() const { return fs::path(path_).replace_extension(".bin"); }
 
+    static double bending_vertices(const ExportScene& scene) {
+        double sum = 0.0;
+        for (const ExportCollider& collider : scene.colliders)
+            if (collider.bends) sum += static_cast<double>(collider.surface.positions.rows());
+        return sum;
+    }
     void require_room(double bytes) const {
         if (binary_ && bytes > static_cast<double>(glb_limit) - 1e6)
             throw Error(ExitCode::usage,
@@ -205,29 +219,47 @@ class Gltf : public Exporter {
         return materials_.size() - 1;
     }
 
-    /// A cloth's mesh, as it is in the first frame.
+    /// A mesh whose later frames are to be told, too.
+    void add_bending(const std::string& name, const Points& positions, const Points& normals,
+                     const TexturePoints& uv, const Triangles& triangles, const render::Material& material) {
+        add_mesh(name, positions, normals, uv, triangles, material);
+        bending_.push_back({nodes_.size() - 1, positions.cast<float>().cast<double>(),
+                            normals.cast<float>().cast<double>()});
+    }
     void first(std::size_t c, const ExportFrame& frame) {
         const ClothRange& cloth = scene_->topology.cloths[c];
         const Points positions = frame.positions.middleRows(cloth.first_vertex, cloth.vertex_count);
         const Triangles triangles = scene_->triangles_of(cloth);
-        const Points normals = vertex_normals(positions, triangles);
         TexturePoints uv = scene_->uv.middleRows(cloth.first_vertex, cloth.vertex_count);
         uv.col(1) = 1.0 - uv.col(1).array();  // downwards here
-        add_mesh(cloth.name, positions, normals, uv, triangles, scene_->materials.at(c));
-        base_.emplace_back(positions.cast<float>().cast<double>(), normals.cast<float>().cast<double>());
-        cloth_nodes_.push_back(nodes_.size() - 1);
+        add_bending(cloth.name, positions, vertex_normals(positions, triangles), uv, triangles,
+                    scene_->materials.at(c));
     }
-    /// What has changed since.
-    void later(std::size_t c, const ExportFrame& frame) {
-        const ClothRange& cloth = scene_->topology.cloths[c];
-        const Points positions = frame.positions.middleRows(cloth.first_vertex, cloth.vertex_count);
-        const Points normals = vertex_normals(positions, scene_->triangles_of(cloth));
-        json& mesh = meshes_[nodes_[cloth_nodes_[c]]["mesh"].get<std::size_t>()];
+    /// What has changed since the first frame, of cloths and then of colliders that bend.
+    void later(const ExportFrame& frame) {
+        std::size_t next = 0;
+        for (const ClothRange& cloth : scene_->topology.cloths) {
+            const Points positions = frame.positions.middleRows(cloth.first_vertex, cloth.vertex_count);
+            add_target(bending_[next++], frame.index, positions,
+                       vertex_normals(positions, scene_->triangles_of(cloth)));
+        }
+        for (const ColliderPose& pose : frame.colliders)
+            if (pose.bent)
+                add_target(bending_[next++], frame.index, pose.bent->positions, pose.bent->normals);
+    }
+
+    /// A mesh as the first frame has it, in floats.
+    struct Bending {
+        std::size_t node;
+        Points positions, normals;
+    };
+    void add_target(const Bending& base, std::int64_t index, const Points& positions, const Points& normals) {
+        json& mesh = meshes_[nodes_[base.node]["mesh"].get<std::size_t>()];
         mesh["primitives"][0]["targets"].push_back(
-            {{"POSITION", buffer_->floats("VEC3", Points(positions - base_[c].first), true, vertices)},
-             {"NORMAL", buffer_->floats("VEC3", Points(normals - base_[c].second), false, vertices)}});
+            {{"POSITION", buffer_->floats("VEC3", Points(positions - base.positions), true, vertices)},
+             {"NORMAL", buffer_->floats("VEC3", Points(normals - base.normals), false, vertices)}});
         mesh["weights"].push_back(0.0);
-        mesh["extras"]["targetNames"].push_back(fmt::format("frame_{:06d}", frame.index));
+        mesh["extras"]["targetNames"].push_back(fmt::format("frame_{:06d}", index));
     }
 
     static Mat3 axes(const ExportCamera& camera) {
@@ -263,7 +295,7 @@ class Gltf : public Exporter {
             for (std::size_t i = 1; i < count; ++i) weights[i * (count - 1) + i - 1] = 1.0f;
             times = buffer_->scalars(seconds, true);
             const std::size_t values = buffer_->scalars(weights, false);
-            for (const std::size_t node : cloth_nodes_) channel(node, "weights", times, values, "LINEAR");
+            for (const Bending& mesh : bending_) channel(mesh.node, "weights", times, values, "LINEAR");
         }
         for (const Track& track : tracks_) {
             const auto part = [&](const char* path, const char* type, const auto& rows, const auto& usual,
@@ -301,9 +333,8 @@ class Gltf : public Exporter {
     bool binary_;
     Eigen::Index done_ = 0;  ///< frames so far
     std::optional<Buffer> buffer_;
-    std::vector<std::pair<Points, Points>> base_;  ///< positions and normals of each cloth's mesh, as floats
-    std::vector<std::size_t> cloth_nodes_;
-    std::vector<Track> tracks_;  ///< of the colliders, then of the camera
+    std::vector<Bending> bending_;  ///< the cloths, then the colliders that bend
+    std::vector<Track> tracks_;     ///< of the colliders, then of the camera
     json nodes_ = json::array(), meshes_ = json::array(), materials_ = json::array(),
          cameras_ = json::array(), images_ = json::array(), textures_ = json::array(),
          samplers_ = json::array(), channels_ = json::array();

@@ -68,6 +68,27 @@ class Samples {
     bool same_ = true;
 };
 
+std::string box_of(const Points& positions) {
+    Eigen::Matrix<double, 2, 3> corners;
+    corners << positions.colwise().minCoeff(), positions.colwise().maxCoeff();
+    return rows_text(corners);
+}
+
+/// Of a mesh that bends. They wait in files of their own, as a file has one attribute behind the other.
+struct BendingSamples {
+    explicit BendingSamples(const fs::path& file) : points(file), normals(file) {}
+    GrowingFile points, normals;
+    Samples extent;
+
+    void add(std::int64_t frame, const Points& all_points, const Points& all_normals) {
+        points.write(fmt::format("            {}: {},\n", frame, rows_text(all_points)));
+        normals.write(fmt::format("            {}: {},\n", frame, rows_text(all_normals)));
+        extent.add(frame, box_of(all_points));
+    }
+};
+
+constexpr const char* by_vertex = " (\n            interpolation = \"vertex\"\n        )\n";
+
 /// Letters, digits and underscores, no digit first, each but once.
 class PrimNames {
   public:
@@ -90,22 +111,21 @@ class Usda : public Exporter {
     void begin(const ExportScene& scene) override {
         scene_ = &scene;
         file_.emplace(path_);
-        for (std::size_t c = 0; c < scene.topology.cloths.size(); ++c)
-            sheets_.push_back({GrowingFile(path_), GrowingFile(path_), {}});
-        bodies_.resize(scene.colliders.size());
+        for (std::size_t c = 0; c < scene.topology.cloths.size(); ++c) sheets_.emplace_back(path_);
+        for (const ExportCollider& collider : scene.colliders) {
+            bodies_.emplace_back();
+            if (collider.bends) bodies_.back().bending.emplace(path_);
+        }
     }
     void frame(const ExportFrame& frame) override {
         for (std::size_t c = 0; c < sheets_.size(); ++c) {
             const ClothRange& cloth = scene_->topology.cloths[c];
             const Points positions = frame.positions.middleRows(cloth.first_vertex, cloth.vertex_count);
-            const auto sample = [&](const Points& rows) {
-                return fmt::format("            {}: {},\n", frame.index, rows_text(rows));
-            };
-            sheets_[c].points.write(sample(positions));
-            sheets_[c].normals.write(sample(vertex_normals(positions, scene_->triangles_of(cloth))));
-            sheets_[c].extent.add(frame.index, extent(positions));
+            sheets_[c].add(frame.index, positions, vertex_normals(positions, scene_->triangles_of(cloth)));
         }
         for (std::size_t c = 0; c < bodies_.size(); ++c) {
+            const auto& bent = frame.colliders[c].bent;
+            if (bent) bodies_[c].bending->add(frame.index, bent->positions, bent->normals);
             bodies_[c].transform.add(frame.index, matrix_text(frame.colliders[c].placement));
             bodies_[c].visibility.add(frame.index, frame.colliders[c].on ? "\"inherited\"" : "\"invisible\"");
         }
@@ -133,27 +153,25 @@ class Usda : public Exporter {
             const ClothRange& cloth = scene_->topology.cloths[c];
             const std::string name = names.of(cloth.name);
             begin_mesh(name, scene_->triangles_of(cloth), true);
-            file_->write(sheets_[c].extent.text("float3[] extent") +
-                         "        point3f[] points.timeSamples = {\n");
-            file_->write(std::move(sheets_[c].points));
-            file_->write(
-                "        }\n        normal3f[] normals (\n            interpolation = \"vertex\"\n        )\n"
-                "        normal3f[] normals.timeSamples = {\n");
-            file_->write(std::move(sheets_[c].normals));
-            file_->write("        }\n        texCoord2f[] primvars:st = " +
+            put_samples(sheets_[c]);
+            file_->write("        texCoord2f[] primvars:st = " +
                          rows_text(scene_->uv.middleRows(cloth.first_vertex, cloth.vertex_count)) +
-                         " (\n            interpolation = \"vertex\"\n        )\n    }\n\n");
+                         by_vertex + "    }\n\n");
             materials += material(name, scene_->materials.at(c));
         }
         for (std::size_t c = 0; c < bodies_.size(); ++c) {
             const ExportCollider& collider = scene_->colliders[c];
             const std::string name = names.of(collider.name);
             begin_mesh(name, collider.surface.triangles, false);
-            file_->write("        float3[] extent = " + extent(collider.surface.positions) +
-                         "\n        point3f[] points = " + rows_text(collider.surface.positions) +
-                         "\n        normal3f[] normals = " + rows_text(collider.surface.normals) +
-                         " (\n            interpolation = \"vertex\"\n        )\n" +
-                         bodies_[c].visibility.text("token visibility") +
+            if (bodies_[c].bending) {
+                put_samples(*bodies_[c].bending);
+            } else {
+                file_->write("        float3[] extent = " + box_of(collider.surface.positions) +
+                             "\n        point3f[] points = " + rows_text(collider.surface.positions) +
+                             "\n        normal3f[] normals = " + rows_text(collider.surface.normals) +
+                             by_vertex);
+            }
+            file_->write(bodies_[c].visibility.text("token visibility") +
                          bodies_[c].transform.text("matrix4d xformOp:transform") +
                          "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }\n\n");
             materials += material(name, collider.material);
@@ -172,10 +190,13 @@ class Usda : public Exporter {
   private:
     static constexpr double aperture = 20.0;  ///< height of the camera's film [mm]; only its ratio counts
 
-    static std::string extent(const Points& positions) {
-        Eigen::Matrix<double, 2, 3> corners;
-        corners << positions.colwise().minCoeff(), positions.colwise().maxCoeff();
-        return rows_text(corners);
+    void put_samples(BendingSamples& samples) {
+        file_->write(samples.extent.text("float3[] extent") + "        point3f[] points.timeSamples = {\n");
+        file_->write(std::move(samples.points));
+        file_->write(std::string("        }\n        normal3f[] normals") + by_vertex +
+                     "        normal3f[] normals.timeSamples = {\n");
+        file_->write(std::move(samples.normals));
+        file_->write("        }\n");
     }
     void begin_mesh(const std::string& name, const Triangles& triangles, bool sheet) {
         fmt::memory_buffer text;
@@ -209,18 +230,15 @@ class Usda : public Exporter {
             name, m.front[0], m.front[1], m.front[2], m.roughness);
     }
 
-    struct Sheet {
-        GrowingFile points, normals;  ///< samples; they wait, as a file has one attribute behind the other
-        Samples extent;
-    };
     struct Body {
         Samples transform, visibility;
+        std::optional<BendingSamples> bending;
     };
     const ExportScene* scene_ = nullptr;
     fs::path path_;
     std::optional<GrowingFile> file_;
-    std::deque<Sheet> sheets_;
-    std::vector<Body> bodies_;
+    std::deque<BendingSamples> sheets_;
+    std::deque<Body> bodies_;
     Samples camera_, focal_length_;
 };
 

@@ -97,9 +97,9 @@ std::string colliders_file(const ExportScene& scene, const ExportFrame& frame) {
     Eigen::VectorXi objects(m);
     n = m = 0;
     for (std::size_t c = 0; c < scene.colliders.size(); ++c) {
-        const auto& [on, placement] = frame.colliders[c];
+        const auto& [on, placement, bent] = frame.colliders[c];
         if (!on) continue;
-        const Surface& surface = scene.colliders[c].surface;
+        const Surface& surface = bent ? *bent : scene.colliders[c].surface;
         const Eigen::Index own = surface.positions.rows(), faces = surface.triangles.rows();
         positions.middleRows(n, own) = (surface.positions * placement.rotation.transpose()).rowwise() +
                                        placement.translation.transpose();
@@ -175,6 +175,7 @@ class Vtk : public Exporter {
             put(bytes, pose.on);
             put_all<double>(bytes, pose.placement.rotation);
             put_all<double>(bytes, pose.placement.translation);
+            if (pose.bent) put_all<double>(bytes, pose.bent->positions);
         }
         return bytes;
     }

@@ -147,7 +147,7 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model)
         drawn.floor = up > 0.5;
         drawn.ground =
             up == 1.0 && collider.path.empty() && collider.spin.x() == 0.0 && collider.spin.z() == 0.0;
-        if (!collider.path.empty() || !collider.spin.isZero(0.0)) {
+        if (!collider.path.empty() || !collider.spin.isZero(0.0) || collider.cache) {
             moving_.push_back({static_cast<int>(colliders_.size()), drawn.mesh});
         }
         colliders_.push_back(std::move(drawn));
@@ -238,6 +238,16 @@ render::Frame FrameBuilder::build(const State& state) {
     for (const auto& [c, start] : moving_) {
         const Placement placement = placement_at(model_.scene.colliders[c], state.time);
         Mesh& mesh = colliders_[c].mesh;
+        if (placement.bent) {
+            const Surface surface = make_shape(model_.scene.colliders[c], placement)->surface();
+            mesh.positions.clear();
+            mesh.normals.clear();
+            for (Eigen::Index v = 0; v < surface.positions.rows(); ++v) {
+                append(mesh.positions, placement(surface.positions.row(v)));
+                append(mesh.normals, placement.rotation * Vec3(surface.normals.row(v)));
+            }
+            continue;
+        }
         for (std::size_t i = 0; i + 2 < start.positions.size(); i += 3) {
             const Vec3 p =
                 placement(Vec3(start.positions[i], start.positions[i + 1], start.positions[i + 2]));

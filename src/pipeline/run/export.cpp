@@ -87,7 +87,7 @@ class ExportedRun {
             if (!collider.drawn) continue;
             colliders_.push_back(c);
             scene_.colliders.push_back({one_line(collider.name), make_shape(collider)->surface(),
-                                        file.collider_looks.at(c).material});
+                                        file.collider_looks.at(c).material, collider.cache != nullptr});
         }
         scene_.frame_rate = file.scene.simulation.frame_rate;
         scene_.aspect = static_cast<double>(file.view.width) / file.view.height;
@@ -117,9 +117,12 @@ class ExportedRun {
                           .field = [this, &state, n](VertexField field) -> VecX {
                               return fields_.at(field, state).segment(first_, n);
                           }};
-        for (const std::size_t c : colliders_)
-            frame.colliders.push_back(
-                {state.collider_on[c] != 0, placement_at(run_.model.scene.colliders[c], state.time)});
+        for (const std::size_t c : colliders_) {
+            const ColliderDesc& collider = run_.model.scene.colliders[c];
+            ColliderPose pose{state.collider_on[c] != 0, placement_at(collider, state.time)};
+            if (pose.placement.bent) pose.bent = make_shape(collider, pose.placement)->surface();
+            frame.colliders.push_back(std::move(pose));
+        }
         const CameraPose pose = camera_at(camera_, state.time);
         frame.camera = {pose.position, pose.target, camera_.up, pose.field_of_view};
         return frame;
