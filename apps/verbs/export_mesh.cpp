@@ -13,7 +13,7 @@ namespace cloth::verbs {
 namespace {
 
 struct Values {
-    std::string out, format, file;
+    std::string out, format, file, cloth;
     int frame = -1;  ///< -1: not given
     cli::KeyFlags keys;
     cli::WorkFlags work;
@@ -21,49 +21,48 @@ struct Values {
 
 void add(cli::Flags& flags, Values& values) {
     flags.text({"--out", "DIR", "Folder of the run", true}, values.out);
-    flags.integer({"--frame", "K", "The frame, for one mesh"}, values.frame, 0,
-                  std::numeric_limits<int>::max());
-    values.keys.add_frames(flags, "A:B", "The frames A to B-1, for a sequence");
     flags.choice({"--format", "NAME", "As list formats has it (default: by the extension of --file)"},
                  values.format, pipeline::export_format_names());
-    flags.text({"--file", "F", "Mesh file; sheet.obj of a sequence is sheet_000000.obj …", true},
+    values.keys.add_frames(flags, "A:B", "The frames A to B-1 (default: all that are kept)");
+    flags.integer({"--frame", "K", "One frame alone"}, values.frame, 0, std::numeric_limits<int>::max());
+    flags.text({"--cloth", "NAME", "One cloth alone"}, values.cloth);
+    flags.text({"--file", "F",
+                "What is written; where a format has a file per frame, sheet.obj of a sequence is "
+                "sheet_000000.obj …",
+                true},
                values.file);
     flags.yes("--quiet", values.work.quiet, "No progress");
 }
 
-/// One mesh under the name that was given.
-void one(const Values& values, const pipeline::ExportFormat& format) {
-    pipeline::export_frame(values.out, values.frame, format, values.file);
-    fmt::print("frame {} as {}: {}\n", values.frame, format.name, values.file);
-}
-
-void sequence(const Values& values, const pipeline::ExportFormat& format, const pipeline::FrameSpan& span) {
-    pipeline::export_frames(values.out, span, format, values.file,
-                            cli::Watch(values.work, false, cli::OnSignal::end).options());
+cli::ExitCode work(const Values& values) {
+    pipeline::ExportChoice choice{.frames = values.keys.span(), .cloth = values.cloth};
+    if (choice.frames && values.frame >= 0)
+        cli::refuse("export: give either --frame K, for one frame, or --frames A:B, for a sequence");
+    const bool one = values.frame >= 0;
+    if (one) choice.frames = {values.frame, std::int64_t{values.frame} + 1};
+    const pipeline::ExportFormat& format = pipeline::export_format(values.format, values.file);
+    const auto frames =
+        pipeline::export_frames(values.out, choice, format, values.file,
+                                one ? pipeline::FrameNames::as_given : pipeline::FrameNames::numbered,
+                                cli::Watch(values.work, false, cli::OnSignal::end).options());
+    if (one) {
+        fmt::print("frame {} as {}: {}\n", values.frame, format.name, values.file);
+        return cli::ExitCode::good;
+    }
     std::string made = values.file;
     if (format.files == pipeline::SequenceFiles::one_per_frame)
-        made = fmt::format("{} to {}", pipeline::numbered_file(made, span.first).string(),
-                           pipeline::numbered_file(made, span.last - 1).string());
-    fmt::print("{} as {}: {}\n", plural(span.last - span.first, "frame"), format.name, made);
-}
-
-cli::ExitCode work(const Values& values) {
-    const auto span = values.keys.span();
-    if (span.has_value() == (values.frame >= 0))
-        cli::refuse("export: give either --frame K, for one mesh, or --frames A:B, for a sequence");
-    const pipeline::ExportFormat& format = pipeline::export_format(values.format, values.file);
-    if (span) {
-        sequence(values, format, *span);
-    } else {
-        one(values, format);
-    }
+        made = fmt::format("{} to {}", pipeline::numbered_file(made, frames.front()).string(),
+                           pipeline::numbered_file(made, frames.back()).string());
+    fmt::print("{} as {}: {}\n", plural(static_cast<std::int64_t>(frames.size()), "frame"), format.name,
+               made);
     return cli::ExitCode::good;
 }
 
 }  // namespace
 
 cli::Verb export_mesh() {
-    return cli::verb("export", "Kept states as mesh files: one frame, or a sequence", add, work);
+    return cli::verb("export", "A kept run in a format of other programs: all of it, a part, or one frame",
+                     add, work);
 }
 
 }  // namespace cloth::verbs

@@ -72,7 +72,6 @@ TEST_CASE("bad arguments are refused with what would be right, and leave nothing
         {"render --out o --frames -1:3", {"--frames -1:3", "0 <= A"}},
         {"encode", {"--out is required"}},
         {"export", {"--out is required"}},
-        {"export --out o --format obj --file f", {"give either --frame K", "or --frames A:B"}},
         {"export --out o --frame 1 --frames 0:2 --file f.obj", {"give either --frame K", "or --frames A:B"}},
         {"export --out o --frames 3 --file f.obj", {"--frames 3: give A:B"}},
         {"export --out o --frames 0:2 --format obj --file .", {"--file .: is a folder", "./sheet.obj"}},

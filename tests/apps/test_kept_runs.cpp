@@ -208,16 +208,14 @@ TEST_CASE("an exported frame has every digit of its state", "[cli]") {
         CHECK(faces == 242);
     }
     SECTION("PLY") {
-        std::istringstream text(export_as("ply"));
-        std::string line;
-        while (std::getline(text, line) && line != "end_header") {
-        }
-        for (int i = 0; i < 144; ++i) {
-            std::string x, y, z;
-            text >> x >> y >> z;
-            const double values[] = {std::stod(x), std::stod(y), std::stod(z)};
-            CHECK(std::memcmp(values, state.positions.data() + 3 * i, sizeof values) == 0);
-        }
+        const std::string bytes = export_as("ply");
+        // x y z as doubles, then normal and texture coordinates as floats
+        constexpr std::size_t stride = 3 * sizeof(double) + 5 * sizeof(float);
+        const std::size_t first = bytes.find("end_header\n") + 11;
+        REQUIRE(bytes.size() > first + 144 * stride);
+        for (std::size_t i = 0; i < 144; ++i)
+            CHECK(std::memcmp(bytes.data() + first + i * stride, state.positions.data() + 3 * i,
+                              3 * sizeof(double)) == 0);
     }
     SECTION("a sequence, its format from the extension") {
         const Outcome outcome = place.run("export --out o --frames 1:4 --file m.obj --quiet");
@@ -227,6 +225,14 @@ TEST_CASE("an exported frame has every digit of its state", "[cli]") {
         CHECK_FALSE(fs::exists(place / "m.obj"));
         CHECK(slurp(place / "m_000003.obj") == export_as("obj"));
         CHECK(slurp(place / "m_000001.obj") != slurp(place / "m_000002.obj"));
+    }
+    SECTION("all that is kept") {
+        CHECK(place.run("export --out o --file m.pvd --quiet").out == "4 frames as vtk: m.pvd\n");
+        CHECK(place.run("export --out o --file m.npz --quiet").out == "4 frames as npz: m.npz\n");
+    }
+    SECTION("a cloth that is not there") {
+        check_refusal(place.run("export --out o --cloth sleeve --file m.obj"), 2,
+                      {"--cloth sleeve: the run has no cloth of this name; it has cloth"});
     }
     SECTION("a sequence with a frame that is not kept") {
         check_refusal(place.run("export --out o --frames 2:5 --file m.ply"), 2,

@@ -25,8 +25,8 @@ inline int crossing_triangles(const Simulation& simulation) {
     }
     const std::size_t cloth = triangles.size();
     for (const ColliderDesc& collider : model.scene.colliders) {
-        const ContactPrimitive primitive = make_shape(collider)->primitive();
         const Placement placement = placement_at(collider, simulation.state().time);
+        const ContactPrimitive primitive = make_shape(collider, placement)->primitive();
         for (const auto& triangle : primitive.triangles) {
             triangles.push_back({});
             for (int k = 0; k < 3; ++k) triangles.back()[k] = placement(primitive.points[triangle[k]]);

@@ -20,18 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Leaves the importer no reader but those of the extension: left alone it asks all of them, and some crash
-/// or hang over what is not theirs.
-void keep_readers_of(const std::string& extension, Assimp::Importer& importer) {
-    for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
-        const std::vector<std::string> theirs = split(importer.GetImporterInfo(i)->mFileExtensions, ' ');
-        if (std::find(theirs.begin(), theirs.end(), extension.substr(1)) != theirs.end()) continue;
-        Assimp::BaseImporter* other = importer.GetImporter(i);
-        importer.UnregisterLoader(other);
-        delete other;
-    }
-}
-
 /// Appends the meshes of a node and of those below it, moved to where the nodes stand.
 void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent, const FilePlace& place,
             MeshDraft& draft) {
@@ -116,6 +104,16 @@ MeshDraft draft_of(std::string_view bytes) {
 }
 
 }  // namespace
+
+void keep_readers_of(const std::string& extension, Assimp::Importer& importer) {
+    for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+        const std::vector<std::string> theirs = split(importer.GetImporterInfo(i)->mFileExtensions, ' ');
+        if (std::find(theirs.begin(), theirs.end(), extension.substr(1)) != theirs.end()) continue;
+        Assimp::BaseImporter* other = importer.GetImporter(i);
+        importer.UnregisterLoader(other);
+        delete other;
+    }
+}
 
 MeshDraft import_unguarded(const fs::path& path, const std::string& extension) {
     const FilePlace place{path};

@@ -7,6 +7,10 @@
 #include "base/child.h"
 #include "pipeline/formats/mesh_draft.h"
 
+namespace Assimp {
+class Importer;
+}  // namespace Assimp
+
 namespace cloth::pipeline {
 
 /// All meshes of the file together, where its nodes put them; coordinates are floats. An STL's triangles that
@@ -16,6 +20,10 @@ namespace cloth::pipeline {
 /// passes a limit; 0 of memory: three quarters of what is there.
 MeshDraft import_by_assimp(const std::filesystem::path& path, const std::string& extension,
                            ChildLimits limits = {});
+
+/// Leaves the importer no reader but those of the extension: left alone it asks all of them, and some crash
+/// or hang over what is not theirs.
+void keep_readers_of(const std::string& extension, Assimp::Importer& importer);
 
 /// The same in this process, as it is: for tests that look for the readers' own faults.
 MeshDraft import_unguarded(const std::filesystem::path& path, const std::string& extension);

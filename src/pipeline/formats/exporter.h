@@ -1,16 +1,85 @@
 #pragma once
-// What writes meshes of one topology, frame by frame.
+// What writes a run in a format of meshes, frame by frame; and what it is told of the run.
 
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "pipeline/formats/state_store.h"
+#include "render/frame.h"
+#include "sim/fields/vertex_fields.h"
+#include "sim/motion/placement.h"
 #include "sim/scene/scene.h"
+#include "sim/shapes/shapes.h"
 
 namespace cloth::pipeline {
 
+/// Rows u v, shape (n, 2): v upwards, an image covers 0 … 1.
+using TexturePoints = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
+/// A collider that pictures show, where it stands without keys and spin.
+struct ExportCollider {
+    std::string name;
+    Surface surface;  ///< of one that bends, as it is at time 0
+    render::Material material;
+    bool bends = false;
+};
+
+/// What is the same in all frames.
+struct ExportScene {
+    std::string name;  ///< the scene's
+    Topology topology;
+    TexturePoints uv;                         ///< one row a vertex
+    std::vector<render::Material> materials;  ///< one per cloth
+    std::vector<ExportCollider> colliders;
+    double frame_rate = 60.0;                  ///< frames per second of simulated time
+    double aspect = 1.0;                       ///< a picture's width over its height
+    std::vector<std::int64_t> frames;          ///< all that will come, in rising order
+    std::vector<VertexFieldName> fields = {};  ///< those that ExportFrame::field() has
+
+    int vertex_count() const { return static_cast<int>(topology.rest_positions.rows()); }
+    int triangle_count() const { return static_cast<int>(topology.triangles.rows()); }
+    /// k / frame_rate [s].
+    double time(std::int64_t frame) const { return static_cast<double>(frame) / frame_rate; }
+    /// The corners of a cloth's triangles, counted from its first vertex.
+    Triangles triangles_of(const ClothRange& cloth) const {
+        return topology.triangles.middleRows(cloth.first_triangle, cloth.triangle_count).array() -
+               cloth.first_vertex;
+    }
+};
+
+/// How a collider stands in a frame.
+struct ColliderPose {
+    bool on = true;
+    Placement placement;
+    std::optional<Surface> bent = {};  ///< of one that bends: before the placement, of the same triangles
+};
+
+/// Where pictures are taken from.
+struct ExportCamera {
+    Vec3 position, target, up;
+    double field_of_view;  ///< vertical [degree]
+};
+
+struct ExportFrame {
+    std::int64_t index;
+    double time;                          ///< [s]
+    Points positions, velocities;         ///< shape (n, 3) [m], [m/s]
+    std::vector<ColliderPose> colliders;  ///< one for each of the scene's
+    ExportCamera camera;
+    std::function<VecX(VertexField)> field;  ///< one number a vertex
+};
+
+/// Of each vertex, weighted by the areas around it; unit length.
+Points vertex_normals(const Points& positions, const Triangles& triangles);
+
 /// begin(), then frame() for each frame in rising order, then end(). Its files appear under their names in
 /// end(); one that is destroyed without leaves none. Each call throws Error(other) naming the file that
-/// cannot be written, and the cause.
+/// cannot be written, and the cause; begin() throws Error(usage) where the format cannot hold what the scene
+/// has.
 class Exporter {
   public:
     Exporter() = default;
@@ -18,10 +87,9 @@ class Exporter {
     Exporter& operator=(const Exporter&) = delete;
     virtual ~Exporter() = default;
 
-    /// `frame_rate`: frames per second of simulated time.
-    virtual void begin(const Topology& topology, double frame_rate) = 0;
-    /// `time` [s], `positions` of shape (n, 3) [m], n as in the topology.
-    virtual void frame(std::int64_t index, double time, const Points& positions) = 0;
+    /// `scene` must live until end().
+    virtual void begin(const ExportScene& scene) = 0;
+    virtual void frame(const ExportFrame& frame) = 0;
     virtual void end() = 0;
 };
 

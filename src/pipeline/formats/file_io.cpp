@@ -1,5 +1,7 @@
 #include "pipeline/formats/file_io.h"
 
+#include <algorithm>
+#include <fstream>
 #include <stdexcept>
 #include <utility>
 
@@ -35,6 +37,31 @@ std::string extension_of(const fs::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
     return extension;
+}
+
+GrowingFile::GrowingFile(const fs::path& path) : file_(told([&] { return PartFile(path); })) {}
+
+void GrowingFile::write(std::string_view bytes) {
+    told([&] { file_.write(bytes); });
+    size_ += bytes.size();
+}
+
+void GrowingFile::write(GrowingFile&& other) {
+    const PartFile taken = std::move(other.file_);
+    std::ifstream in(taken.part(), std::ios::binary);
+    std::string block(std::size_t{1} << 22, '\0');
+    std::uint64_t left = other.size_;
+    while (left > 0) {
+        in.read(block.data(), static_cast<std::streamsize>(std::min<std::uint64_t>(left, block.size())));
+        const auto got = static_cast<std::size_t>(in.gcount());
+        if (got == 0) throw Error(ExitCode::other, "cannot read " + taken.part().string());
+        write(std::string_view(block).substr(0, got));
+        left -= got;
+    }
+}
+
+void GrowingFile::finish() {
+    told([&] { file_.finish(); });
 }
 
 void FileSet::write(const fs::path& path, std::string_view bytes) {

@@ -1,6 +1,7 @@
 #pragma once
 // Whole files in and out (base/whole_file.h), and their names. What goes wrong is an Error.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -17,6 +18,24 @@ std::string read_file(const std::filesystem::path& path);
 
 /// ".obj" of sheet.OBJ: in lower case, with its dot; empty where there is none.
 std::string extension_of(const std::filesystem::path& path);
+
+/// A file that grows while others are written, and appears under its name in finish(). Each call throws
+/// Error(other) naming `path` and the cause.
+class GrowingFile {
+  public:
+    explicit GrowingFile(const std::filesystem::path& path);
+    void write(std::string_view bytes);
+    /// All of another one's bytes, which are no longer needed.
+    void write(GrowingFile&& other);
+    std::uint64_t size() const { return size_; }
+    /// Where the bytes are until finish().
+    const std::filesystem::path& part() const { return file_.part(); }
+    void finish();
+
+  private:
+    PartFile file_;
+    std::uint64_t size_ = 0;
+};
 
 /// Files that appear under their names together, once all of them are written.
 class FileSet {

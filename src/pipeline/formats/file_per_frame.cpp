@@ -17,20 +17,25 @@ class FilePerFrame : public Exporter {
     FilePerFrame(MeshBytes bytes, fs::path file, FrameNames names)
         : bytes_(bytes), file_(std::move(file)), names_(names) {}
 
-    void begin(const Topology& topology, double /*frame_rate*/) override {
-        mesh_.triangles = topology.triangles;
-    }
-    void frame(std::int64_t index, double /*time*/, const Points& positions) override {
-        mesh_.positions = positions;
-        files_.write(names_ == FrameNames::numbered ? numbered_file(file_, index) : file_, bytes_(mesh_));
+    void begin(const ExportScene& scene) override { scene_ = &scene; }
+    void frame(const ExportFrame& frame) override {
+        const Topology& topology = scene_->topology;
+        MeshOut mesh(frame.positions, topology.triangles);
+        mesh.normals = vertex_normals(frame.positions, topology.triangles);
+        mesh.uv = scene_->uv;
+        for (const ClothRange& cloth : topology.cloths)
+            mesh.objects.push_back({cloth.name, cloth.first_vertex, cloth.vertex_count, cloth.first_triangle,
+                                    cloth.triangle_count});
+        files_.write(names_ == FrameNames::numbered ? numbered_file(file_, frame.index) : file_,
+                     bytes_(mesh));
     }
     void end() override { files_.finish(); }
 
   private:
+    const ExportScene* scene_ = nullptr;
     MeshBytes bytes_;
     fs::path file_;
     FrameNames names_;
-    MeshData mesh_;
     FileSet files_;
 };
 

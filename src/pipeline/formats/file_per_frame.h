@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pipeline/formats/exporter.h"
+#include "pipeline/formats/mesh_draft.h"
 
 namespace cloth::pipeline {
 
@@ -19,7 +20,7 @@ enum class FrameNames {
 std::filesystem::path numbered_file(const std::filesystem::path& file, std::int64_t frame);
 
 /// What a file of a format holds for a mesh.
-using MeshBytes = std::string (*)(const MeshData& mesh);
+using MeshBytes = std::string (*)(const MeshOut& mesh);
 
 std::unique_ptr<Exporter> file_per_frame(MeshBytes bytes, const std::filesystem::path& file,
                                          FrameNames names);

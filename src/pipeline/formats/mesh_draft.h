@@ -48,6 +48,24 @@ struct LoadedMesh {
     std::vector<std::string> notes;
 };
 
+/// A mesh to be written. What has no rows is left out.
+struct MeshOut {
+    /// A sheet of one cloth's.
+    struct Object {
+        std::string name;
+        Eigen::Index first_vertex, vertex_count, first_triangle, triangle_count;
+    };
+    MeshOut(const MeshData& mesh) : positions(mesh.positions), triangles(mesh.triangles) {}
+    MeshOut(const Points& all_positions, const Triangles& all_triangles)
+        : positions(all_positions), triangles(all_triangles) {}
+
+    const Points& positions;
+    const Triangles& triangles;
+    Points normals{};                                                ///< of unit length, one a vertex
+    Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> uv{};  ///< texture coordinates, one a vertex
+    std::vector<Object> objects{};                                   ///< one behind the other, or none
+};
+
 /// Cuts polygons into triangles, which a note tells; without `faces_wanted` there are vertices alone. Throws
 /// Error(invalid_scene) without vertices or wanted faces, and where one of these has fewer than three
 /// corners, refers to a vertex that is not there or cannot be cut.

@@ -1,5 +1,6 @@
 #include "pipeline/formats/obj.h"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -94,13 +95,51 @@ MeshDraft read_obj(std::string_view text, const fs::path& path) {
     return draft;
 }
 
-std::string obj_text(const MeshData& mesh) {
-    fmt::memory_buffer text;
+namespace {
+
+void put_object(const MeshOut& mesh, const MeshOut::Object& object, fmt::memory_buffer& text) {
     const auto out = std::back_inserter(text);
-    for (const auto p : mesh.positions.rowwise())
-        fmt::format_to(out, "v {:.17g} {:.17g} {:.17g}\n", p(0), p(1), p(2));
-    for (const auto t : mesh.triangles.rowwise())
-        fmt::format_to(out, "f {} {} {}\n", t(0) + 1, t(1) + 1, t(2) + 1);
+    // Lines like "v 0.1 0.2 0.3", of the object's vertices.
+    const auto rows = [&](std::string_view word, const auto& values, auto number) {
+        for (Eigen::Index v = object.first_vertex; v < object.first_vertex + object.vertex_count; ++v) {
+            text.append(word);
+            for (Eigen::Index k = 0; k < values.cols(); ++k)
+                fmt::format_to(out, FMT_COMPILE(" {}"), number(values(v, k)));
+            text.push_back('\n');
+        }
+    };
+    const auto whole = [](double x) { return x; };
+    const auto short_one = [](double x) { return static_cast<float>(x); };
+    const bool uv = mesh.uv.rows() > 0, normals = mesh.normals.rows() > 0;
+    if (!object.name.empty()) fmt::format_to(out, "o {}\n", object.name);
+    rows("v", mesh.positions, whole);
+    if (uv) rows("vt", mesh.uv, short_one);
+    if (normals) rows("vn", mesh.normals, short_one);
+    for (Eigen::Index t = object.first_triangle; t < object.first_triangle + object.triangle_count; ++t) {
+        text.push_back('f');
+        for (int k = 0; k < 3; ++k) {
+            const int v = mesh.triangles(t, k) + 1;
+            if (uv && normals) {
+                fmt::format_to(out, FMT_COMPILE(" {}/{}/{}"), v, v, v);
+            } else if (uv) {
+                fmt::format_to(out, " {}/{}", v, v);
+            } else if (normals) {
+                fmt::format_to(out, " {}//{}", v, v);
+            } else {
+                fmt::format_to(out, FMT_COMPILE(" {}"), v);
+            }
+        }
+        text.push_back('\n');
+    }
+}
+
+}  // namespace
+
+std::string obj_text(const MeshOut& mesh) {
+    fmt::memory_buffer text;
+    if (mesh.objects.empty())
+        put_object(mesh, {"", 0, mesh.positions.rows(), 0, mesh.triangles.rows()}, text);
+    for (const MeshOut::Object& object : mesh.objects) put_object(mesh, object, text);
     return fmt::to_string(text);
 }
 

@@ -13,7 +13,7 @@ namespace cloth::pipeline {
 /// Error(invalid_scene) naming `path` and line.
 MeshDraft read_obj(std::string_view text, const std::filesystem::path& path);
 
-/// Numbers with 17 significant digits, so that reading gives the same doubles.
-std::string obj_text(const MeshData& mesh);
+/// Positions with the digits that give the same doubles when they are read.
+std::string obj_text(const MeshOut& mesh);
 
 }  // namespace cloth::pipeline

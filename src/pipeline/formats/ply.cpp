@@ -9,12 +9,12 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <vector>
 
 #include "pipeline/formats/mesh_text.h"
+#include "pipeline/formats/raw_bytes.h"
 
 namespace cloth::pipeline {
 namespace {
@@ -280,17 +280,34 @@ MeshDraft read_ply(std::string_view bytes, const fs::path& path) {
     return draft;
 }
 
-std::string ply_text(const MeshData& mesh) {
-    fmt::memory_buffer text;
-    const auto out = std::back_inserter(text);
-    fmt::format_to(out,
-                   "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
-                   "property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-                   mesh.positions.rows(), mesh.triangles.rows());
-    for (const auto p : mesh.positions.rowwise())
-        fmt::format_to(out, "{:.17g} {:.17g} {:.17g}\n", p(0), p(1), p(2));
-    for (const auto t : mesh.triangles.rowwise()) fmt::format_to(out, "3 {} {} {}\n", t(0), t(1), t(2));
-    return fmt::to_string(text);
+std::string ply_bytes(const MeshOut& mesh) {
+    const bool normals = mesh.normals.rows() > 0, uv = mesh.uv.rows() > 0;
+    std::string bytes = "ply\nformat binary_little_endian 1.0\n";
+    for (std::size_t i = 0; i < mesh.objects.size(); ++i)
+        bytes += fmt::format("comment object {} is {}\n", i, mesh.objects[i].name);
+    bytes += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
+                         mesh.positions.rows());
+    if (normals) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
+    if (uv) bytes += "property float s\nproperty float t\n";
+    bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.triangles.rows());
+    if (!mesh.objects.empty()) bytes += "property int object\n";
+    bytes += "end_header\n";
+    bytes.reserve(bytes.size() +
+                  static_cast<std::size_t>(44 * mesh.positions.rows() + 17 * mesh.triangles.rows()));
+    for (Eigen::Index v = 0; v < mesh.positions.rows(); ++v) {
+        for (int k = 0; k < 3; ++k) put(bytes, mesh.positions(v, k));
+        for (int k = 0; normals && k < 3; ++k) put(bytes, static_cast<float>(mesh.normals(v, k)));
+        for (int k = 0; uv && k < 2; ++k) put(bytes, static_cast<float>(mesh.uv(v, k)));
+    }
+    std::size_t object = 0;
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+        bytes.push_back(3);
+        for (int k = 0; k < 3; ++k) put(bytes, mesh.triangles(t, k));
+        if (mesh.objects.empty()) continue;
+        while (t >= mesh.objects[object].first_triangle + mesh.objects[object].triangle_count) ++object;
+        put(bytes, static_cast<int>(object));
+    }
+    return bytes;
 }
 
 }  // namespace cloth::pipeline

@@ -13,7 +13,8 @@ namespace cloth::pipeline {
 /// over. Throws Error(invalid_scene) naming `path` and, in ASCII, the line.
 MeshDraft read_ply(std::string_view bytes, const std::filesystem::path& path);
 
-/// ASCII; numbers with 17 significant digits, so that reading gives the same doubles.
-std::string ply_text(const MeshData& mesh);
+/// Binary, lower byte first; positions as doubles. Normals are nx ny nz, texture coordinates s t; where there
+/// are objects, each face has the number of its own as `object`.
+std::string ply_bytes(const MeshOut& mesh);
 
 }  // namespace cloth::pipeline

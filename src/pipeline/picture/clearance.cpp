@@ -39,6 +39,7 @@ double distance(const Triangle& a, const Triangle& b, double reach) {
 
 Clearance::Clearance(const Model& model, std::optional<double> ground) : model_(model) {
     std::vector<Vec3> points;
+    first_vertex_.assign(model.scene.colliders.size(), -1);
     for (std::size_t c = 0; c < model.cloths.size(); ++c) {
         const ClothRange& cloth = model.cloths[c];
         mesh_.add_body({.collider = false, .index = static_cast<int>(c)}, cloth.vertex_count,
@@ -56,6 +57,7 @@ Clearance::Clearance(const Model& model, std::optional<double> ground) : model_(
             continue;
         }
         const Surface surface = shape->surface();
+        first_vertex_[c] = mesh_.vertex_count();
         mesh_.add_body({.collider = true, .index = static_cast<int>(c)},
                        static_cast<int>(surface.positions.rows()), triangle_list(surface.triangles, 0));
         for (Eigen::Index v = 0; v < surface.positions.rows(); ++v)
@@ -82,10 +84,14 @@ Clearance::Room Clearance::find(const State& state, const std::vector<double>& r
     x.head(3 * cloth_vertices) = state.positions;
     std::vector<std::uint8_t> body_on;
     for (const ContactBody& body : mesh_.bodies) body_on.push_back(!body.collider || is_on(body.index));
+    for (std::size_t c = 0; c < placements.size(); ++c) {
+        if (!placements[c].bent || first_vertex_[c] < 0) continue;
+        const Points bent = make_shape(model_.scene.colliders[c], placements[c])->surface().positions;
+        x.segment(3 * first_vertex_[c], bent.size()) = Eigen::Map<const VecX>(bent.data(), bent.size());
+    }
     parallel_for(mesh_.vertex_count() - cloth_vertices, [&](int i) {
         const int v = cloth_vertices + i;
-        x.segment<3>(3 * v) =
-            placements[mesh_.bodies[mesh_.vertex_body[v]].index](Vec3(at_start_.segment<3>(3 * v)));
+        x.segment<3>(3 * v) = placements[mesh_.bodies[mesh_.vertex_body[v]].index](Vec3(x.segment<3>(3 * v)));
     });
     const auto corners = [&](int face) {
         Triangle t;

@@ -32,9 +32,10 @@ class Clearance {
         Vec3 point, normal;
     };
     const Model& model_;
-    ContactMesh mesh_;           ///< cloths, and colliders as they are drawn
-    VecX at_start_;              ///< of all vertices; those of cloth at rest
-    std::vector<Plane> planes_;  ///< at the start
+    ContactMesh mesh_;               ///< cloths, and colliders as they are drawn
+    VecX at_start_;                  ///< of all vertices; those of cloth at rest
+    std::vector<int> first_vertex_;  ///< of each collider that has some here, else -1
+    std::vector<Plane> planes_;      ///< at the start
     std::optional<BroadPhase> broad_phase_;
 };
 

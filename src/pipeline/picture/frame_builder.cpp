@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "pipeline/picture/rest_chart.h"
 #include "sim/motion/placement.h"
 #include "sim/shapes/shapes.h"
 
@@ -25,24 +26,6 @@ void append_triangle(std::vector<std::uint32_t>& list, int a, int b, int c) {
 Vec3 vector_at(const std::vector<float>& list, int i) {
     const float* p = list.data() + 3 * static_cast<std::size_t>(i);
     return {p[0], p[1], p[2]};
-}
-
-/// Rest shape → the plane that it lies in, or nearly: u along x as far as that goes, v upwards from there
-/// [m].
-Eigen::Matrix<double, Eigen::Dynamic, 2> rest_chart(const Points& rest, const Triangles& triangles) {
-    Vec3 normal = Vec3::Zero();
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        const Vec3 a = rest.row(triangles(t, 0)), b = rest.row(triangles(t, 1)),
-                   c = rest.row(triangles(t, 2));
-        normal += (b - a).cross(c - a);
-    }
-    normal =
-        normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());  // closed: any plane will do
-    const Vec3 along = std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3(-Vec3::UnitZ());
-    const Vec3 u = (along - along.dot(normal) * normal).normalized(), v = normal.cross(u);
-    Eigen::Matrix<double, Eigen::Dynamic, 2> chart(rest.rows(), 2);
-    chart << rest * u, rest * v;
-    return chart;
 }
 
 /// Across half of a rolled edge: shares of its half thickness outwards and upwards, and the normal there.
@@ -164,7 +147,7 @@ FrameBuilder::FrameBuilder(const SceneFile& file, const Model& model)
         drawn.floor = up > 0.5;
         drawn.ground =
             up == 1.0 && collider.path.empty() && collider.spin.x() == 0.0 && collider.spin.z() == 0.0;
-        if (!collider.path.empty() || !collider.spin.isZero(0.0)) {
+        if (!collider.path.empty() || !collider.spin.isZero(0.0) || collider.cache) {
             moving_.push_back({static_cast<int>(colliders_.size()), drawn.mesh});
         }
         colliders_.push_back(std::move(drawn));
@@ -255,6 +238,16 @@ render::Frame FrameBuilder::build(const State& state) {
     for (const auto& [c, start] : moving_) {
         const Placement placement = placement_at(model_.scene.colliders[c], state.time);
         Mesh& mesh = colliders_[c].mesh;
+        if (placement.bent) {
+            const Surface surface = make_shape(model_.scene.colliders[c], placement)->surface();
+            mesh.positions.clear();
+            mesh.normals.clear();
+            for (Eigen::Index v = 0; v < surface.positions.rows(); ++v) {
+                append(mesh.positions, placement(surface.positions.row(v)));
+                append(mesh.normals, placement.rotation * Vec3(surface.normals.row(v)));
+            }
+            continue;
+        }
         for (std::size_t i = 0; i + 2 < start.positions.size(); i += 3) {
             const Vec3 p =
                 placement(Vec3(start.positions[i], start.positions[i + 1], start.positions[i + 2]));

@@ -13,6 +13,7 @@
 #include "pipeline/formats/build_info.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/formats/mesh_cache_file.h"
 #include "pipeline/formats/obj.h"
 #include "pipeline/formats/state_store.h"
 #include "pipeline/run/report.h"
@@ -49,6 +50,11 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
     for (std::size_t c = 0; c < file.scene.colliders.size(); ++c) {
         const ColliderDesc& desc = file.scene.colliders[c];
         if (desc.mesh) keep_mesh(fmt::format("collider[{}].mesh", c), "collider", c, *desc.mesh);
+        if (desc.cache) {
+            const std::string key = fmt::format("collider[{}].cache", c);
+            kept[key] = fmt::format("meshes/cache_{:06d}.npz", c);
+            write_mesh_cache(*desc.cache, folder.root() / kept[key]);
+        }
     }
     write_file(folder.scene(), file.resolved(kept));
 }

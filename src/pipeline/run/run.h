@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/formats/exporters.h"
 #include "pipeline/run/kept_run.h"
@@ -32,13 +33,17 @@ RunSummary render_run(const std::filesystem::path& out, const std::optional<Fram
 RunSummary encode_run(const std::filesystem::path& out, const Overrides& overrides,
                       const RunOptions& options);
 
-/// Writes the kept state of `frame` as a mesh, all cloths together. Throws Error(usage) where it is not kept.
-void export_frame(const std::filesystem::path& out, std::int64_t frame, const ExportFormat& format,
-                  const std::filesystem::path& file);
-/// Writes the kept states of a span as a sequence: sheet_000000.obj … for the file sheet.obj in a format of
-/// one file per frame, else that one file. Throws Error(usage) where one of them is not kept or `file` is a
-/// folder, Error(interrupted) where it is stopped; no file is left then.
-void export_frames(const std::filesystem::path& out, const FrameSpan& span, const ExportFormat& format,
-                   const std::filesystem::path& file, const RunOptions& options);
+/// What of a run is exported.
+struct ExportChoice {
+    std::optional<FrameSpan> frames = {};  ///< default: all that are kept
+    std::string cloth = {};                ///< this one alone; empty: all
+};
+/// Writes kept states in a format of meshes: with FrameNames::numbered sheet_000000.obj … for the file
+/// sheet.obj in a format of one file per frame, else that one file. Throws Error(usage) where a frame is not
+/// kept, there is no such cloth, `file` is a folder, or the format cannot hold what is asked;
+/// Error(interrupted) where it is stopped; no file is left then. Returns the frames.
+std::vector<std::int64_t> export_frames(const std::filesystem::path& out, const ExportChoice& choice,
+                                        const ExportFormat& format, const std::filesystem::path& file,
+                                        FrameNames names, const RunOptions& options);
 
 }  // namespace cloth::pipeline

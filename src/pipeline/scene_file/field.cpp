@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pipeline/formats/mesh_cache_file.h"
 #include "pipeline/formats/mesh_file.h"
 
 namespace cloth::pipeline {
@@ -96,6 +97,23 @@ void FieldList::operator()(const char* key, std::shared_ptr<const render::Image>
         return image ? fmt::format("{}x{} ", image->width, image->height) +
                            std::string(image->rgba.begin(), image->rgba.end())
                      : std::string();
+    };
+}
+
+void FieldList::operator()(const char* key, std::shared_ptr<const MeshCache>& cache, const char* meaning) {
+    Field& f = add_file(key, meaning);
+    f.load = [&cache](const std::filesystem::path& path) {
+        LoadedCache loaded = read_mesh_cache(path);
+        cache = std::make_shared<const MeshCache>(std::move(loaded.cache));
+        return loaded.notes;
+    };
+    f.content = [&cache] {
+        std::string bytes;
+        if (!cache) return bytes;
+        for (const Points& frame : cache->frames) bytes += bytes_of(frame);
+        bytes += bytes_of(
+            Eigen::Map<const VecX>(cache->times.data(), static_cast<Eigen::Index>(cache->times.size())));
+        return bytes + bytes_of(cache->triangles);
     };
 }
 

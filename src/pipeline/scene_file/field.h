@@ -124,6 +124,7 @@ class FieldList {
     void operator()(const char* key, std::optional<MeshData>& mesh, const char* meaning);
     void operator()(const char* key, std::optional<Points>& points, const char* meaning);
     void operator()(const char* key, std::shared_ptr<const render::Image>& image, const char* meaning);
+    void operator()(const char* key, std::shared_ptr<const MeshCache>& cache, const char* meaning);
     void operator()(const char* key, const Reference& reference, const char* meaning);
     void operator()(const char* key, const IntegratorChange& change, const char* meaning);
     void operator()(const char* key, const CaptionText& caption, const char* meaning);

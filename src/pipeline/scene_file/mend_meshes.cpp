@@ -107,9 +107,12 @@ void mend_meshes(Reader& reader, SceneFile& file) {
     std::vector<MeshRepair> repairs(scene.cloths.size());
     for (std::size_t c = 0; c < scene.colliders.size(); ++c) {
         const ColliderDesc& collider = scene.colliders[c];
+        const double metres = length_of(collider.units);
+        if (collider.cache)
+            for (const Points& frame : collider.cache->frames)
+                check_reach(reader, entry("collider", c) + ".cache", frame, metres);
         if (collider.mesh)
-            check_reach(reader, entry("collider", c) + ".mesh", collider.mesh->positions,
-                        length_of(collider.units));
+            check_reach(reader, entry("collider", c) + ".mesh", collider.mesh->positions, metres);
     }
     for (std::size_t c = 0; c < scene.cloths.size(); ++c) {
         ClothDesc& cloth = scene.cloths[c];

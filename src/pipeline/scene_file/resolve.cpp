@@ -9,6 +9,7 @@
 #include "pipeline/scene_file/tables.h"
 #include "sim/model.h"
 #include "sim/model/possible.h"
+#include "sim/motion/mesh_cache.h"
 #include "sim/scene/mesh.h"
 
 namespace cloth::pipeline {
@@ -62,10 +63,14 @@ void check_keys(Reader& reader, const SceneFile& file) {
     for (std::size_t i = 0; i < file.scene.cloths.size(); ++i)
         check_cloth_keys(reader, entry("cloth", i), file.looks.cloths[i]);
     for (std::size_t i = 0; i < file.scene.colliders.size(); ++i) {
-        for (const char* name : {".mesh", ".units"}) {
-            const std::string key = entry("collider", i) + name;
-            if (reader.find(key) && file.scene.colliders[i].shape != Shape::mesh)
-                reader.fail(key, "belongs to shape = \"mesh\"");
+        const std::string collider = entry("collider", i);
+        for (const char* name : {".mesh", ".cache", ".units"}) {
+            if (reader.find(collider + name) && file.scene.colliders[i].shape != Shape::mesh)
+                reader.fail(collider + name, "belongs to shape = \"mesh\"");
+        }
+        for (const char* name : {".cache_start", ".cache_speed", ".cache_loop", ".cache_rate"}) {
+            if (reader.find(collider + name) && !reader.find(collider + ".cache"))
+                reader.fail(collider + name, "belongs to a cache; name its file with cache");
         }
     }
     for (std::size_t i = 0; i < file.scene.pins.size(); ++i) check_selection_keys(reader, entry("pin", i));
@@ -134,6 +139,32 @@ void load_files(Reader& reader, SceneFile& file) {
                 reader.fail(key, error.what());
             }
         }
+    }
+}
+
+/// What a cache leaves to be said: the triangles of its mesh, and how long it lasts.
+void settle_caches(Reader& reader, SceneFile& file) {
+    const double last = (file.output.frames - 1) / file.scene.simulation.frame_rate;
+    for (std::size_t i = 0; i < file.scene.colliders.size(); ++i) {
+        ColliderDesc& collider = file.scene.colliders[i];
+        if (!collider.cache) continue;
+        const MeshCache& cache = *collider.cache;
+        const std::string key = entry("collider", i) + ".cache";
+        if (!collider.mesh && cache.triangles.rows() == 0)
+            reader.fail(key, fmt::format("{}: has vertices alone; name the mesh that they move with mesh",
+                                         file.files[key]));
+        if (!collider.mesh) collider.mesh = MeshData{cache.frames[0], cache.triangles};
+        const auto note = [&](const std::string& text) {
+            file.notes.push_back(fmt::format("{}: {}: {}", key, file.files[key], text));
+        };
+        if (cache.times.empty() && !collider.cache_rate)
+            note(fmt::format(
+                "does not say its frame rate; taken as {:g} frames per second, which cache_rate changes",
+                usual_cache_rate));
+        if (const double end = cache_end(collider); end < last - 1e-9)
+            note(fmt::format(
+                "ends at {:.4g} s, the run at {:.4g} s: its last frame stays (or cache_loop = true)",
+                std::max(end, 0.0), last));
     }
 }
 
@@ -208,6 +239,7 @@ void settle_lengths(SceneFile& file, const std::vector<MeshData>& rest) {
 void resolve(Reader& reader, SceneFile& file) {
     check_keys(reader, file);
     load_files(reader, file);
+    settle_caches(reader, file);
     mend_meshes(reader, file);
     check_pictures(reader, file);
     look_through(file.camera, file.scene.drags);

@@ -49,6 +49,13 @@ Friction ContactSet::friction_of(const Contact& c, double force, const VecX& x,
         }
     }
     if (c.collider < 0) return f;
+    if (colliders_.bends(c.collider)) {
+        // The colliders stand at the stage's start: what each vertex has left to go is all its way.
+        for (int i = 0; i < 4; ++i)
+            if (c.points[i] >= system_.cloth_vertices)
+                f.start -= f.weights[i] * colliders_.way_of(c.points[i]);
+        return f;
+    }
     if (c.plane >= 0) {
         on_collider = Vec3(x.segment<3>(3 * c.points[0])) - c.distance * c.normal;
         side = -1.0;

@@ -17,6 +17,8 @@ MovingColliders::MovingColliders(const ContactSystem& system)
         count = std::max(count, plane.collider + 1);
         planes_.push_back({plane.point, plane.normal});
     }
+    first_vertex_.assign(system_.mesh.bodies.size(), -1);
+    for (int v = system_.mesh.vertex_count() - 1; v >= 0; --v) first_vertex_[system_.mesh.vertex_body[v]] = v;
     plane_targets_ = planes_;
     from_.resize(count);
     to_.resize(count);
@@ -36,8 +38,10 @@ void MovingColliders::begin(const std::vector<Placement>& from, const std::vecto
     for (int v = n; v < system_.mesh.vertex_count(); ++v) {
         const int c = system_.collider_of(v);
         const Vec3 p = system_.rest.segment<3>(3 * v);
-        positions_.segment<3>(3 * (v - n)) = from_[c](p);
-        targets_.segment<3>(3 * (v - n)) = to_[c](p);
+        const int own = v - first_vertex_[system_.mesh.vertex_body[v]];
+        const auto place = [&](const Placement& at) { return at(at.bent ? Vec3(at.bent->row(own)) : p); };
+        positions_.segment<3>(3 * (v - n)) = place(from_[c]);
+        targets_.segment<3>(3 * (v - n)) = place(to_[c]);
     }
     placed_ = positions_ == targets_;
     for (std::size_t p = 0; p < planes_.size(); ++p) {

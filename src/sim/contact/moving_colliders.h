@@ -56,13 +56,17 @@ class MovingColliders {
 
     /// Where a collider of the scene is at the stage's end.
     const Placement& target(int collider) const { return to_[collider]; }
-    /// The way in the whole stage of what is at `p` at its start and moves with a collider [m].
+    /// Whether a collider bends in this stage: its vertices have ways of their own.
+    bool bends(int collider) const { return to_[collider].bent != nullptr; }
+    /// The way in the whole stage of what is at `p` at its start and moves with a collider that does not bend
+    /// [m].
     Vec3 way_in_stage(int collider, const Vec3& p) const;
 
   private:
     const ContactSystem& system_;
     std::vector<Placement> from_, to_;
     std::vector<std::uint8_t> on_, body_on_;
+    std::vector<int> first_vertex_;  ///< of each body
     VecX positions_, targets_;
     std::vector<Plane> planes_, plane_targets_;
     bool placed_ = true;

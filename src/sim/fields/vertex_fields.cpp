@@ -91,10 +91,12 @@ VecX VertexFields::at(VertexField field, const State& state) const {
         for (std::size_t c = 0; c < model_.scene.colliders.size(); ++c) {
             if (!state.collider_on[c]) continue;
             const Placement placement = placement_at(model_.scene.colliders[c], state.time);
+            const auto bent = placement.bent ? make_shape(model_.scene.colliders[c], placement) : nullptr;
+            const ColliderShape& shape = bent ? *bent : *shapes_[c];
             parallel_for(n, [&](int i) {
                 const Vec3 point = state.positions.segment<3>(3 * i);
                 const Vec3 at_start = placement.rotation.transpose() * (point - placement.translation);
-                const double gap = shapes_[c]->distance(at_start).distance;
+                const double gap = shape.distance(at_start).distance;
                 if (!(values(i) <= gap)) values(i) = gap;
             });
         }

@@ -1,6 +1,7 @@
 #include "sim/motion/placement.h"
 
 #include "base/portable_math.h"
+#include "sim/motion/mesh_cache.h"
 #include "sim/motion/pins.h"
 #include "sim/scene/mesh.h"
 
@@ -21,9 +22,10 @@ Mat3 turn(const Vec3& degrees) {
 }  // namespace
 
 Placement placement_at(const ColliderDesc& collider, double time) {
-    if (collider.path.empty() && collider.spin.isZero(0.0)) return {};
-    const MotionKey key = motion_at(collider.path, time);
     Placement p;
+    if (collider.cache) p.bent = std::make_shared<const Points>(cached_vertices(collider, time));
+    if (collider.path.empty() && collider.spin.isZero(0.0)) return p;
+    const MotionKey key = motion_at(collider.path, time);
     p.rotation = rotation_matrix(key.rotate) * turn(time * collider.spin);
     p.translation = collider.center + key.translate - p.rotation * collider.center;
     return p;

@@ -1,6 +1,7 @@
 #pragma once
 // Where what moves by command stands at a time.
 
+#include <memory>
 #include <vector>
 
 #include "sim/algebra/types.h"
@@ -12,6 +13,8 @@ namespace cloth {
 struct Placement {
     Mat3 rotation = Mat3::Identity();
     Vec3 translation = Vec3::Zero();
+    /// Of a mesh that bends: what p is of each vertex (mesh_cache.h); null: where the shape has it.
+    std::shared_ptr<const Points> bent{};
 
     Vec3 operator()(const Vec3& p) const { return rotation * p + translation; }
 };

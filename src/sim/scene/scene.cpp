@@ -221,6 +221,22 @@ void validate_motion(const std::vector<MotionKey>& path, const std::string& key)
     }
 }
 
+void validate_cache(const MeshCache& cache, const MeshData& mesh, const std::string& key) {
+    require(!cache.frames.empty(), key, "has no frames");
+    for (std::size_t f = 0; f < cache.frames.size(); ++f) {
+        const Points& frame = cache.frames[f];
+        require(frame.rows() == mesh.positions.rows(), key,
+                "has " + std::to_string(frame.rows()) + " vertices in frame " + std::to_string(f) +
+                    " (counted from 0); the mesh has " + std::to_string(mesh.positions.rows()));
+        require(frame.allFinite(), key,
+                "has a coordinate that is not finite in frame " + std::to_string(f) + " (counted from 0)");
+    }
+    require(cache.times.empty() || cache.times.size() == cache.frames.size(), key,
+            "has not as many times as frames");
+    for (std::size_t f = 1; f < cache.times.size(); ++f)
+        require(cache.times[f] > cache.times[f - 1], key, "has times that do not rise");
+}
+
 void validate_collider(const ColliderDesc& c, std::size_t i, bool barrier) {
     require(c.shape != Shape::plane || c.normal.norm() > 0.0, item("collider", i, "normal"),
             "is zero; must point out of the plane");
@@ -235,6 +251,7 @@ void validate_collider(const ColliderDesc& c, std::size_t i, bool barrier) {
     validate_motion(c.path, item("collider", i, "path"));
     require(c.shape != Shape::mesh || c.mesh, item("collider", i, "mesh"),
             "is missing; shape = \"mesh\" needs a file");
+    if (c.cache) validate_cache(*c.cache, *c.mesh, item("collider", i, "cache"));
     if (barrier || !c.touchable) return;
     require(has_one_curvature(c.shape), item("collider", i, "shape"),
             "needs contact = \"barrier\"; the others know spheres and planes");

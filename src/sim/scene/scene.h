@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -92,6 +93,13 @@ struct MeshData {
     Triangles triangles;  ///< shape (m, 3)
 };
 
+/// Where a mesh's vertices are over time, as a file gave it.
+struct MeshCache {
+    std::vector<Points> frames;  ///< at least one; shape (n, 3), in the unit that the collider names
+    std::vector<double> times;   ///< of each, rising [s]; empty: the file does not tell
+    Triangles triangles;         ///< shape (m, 3); no rows: the file has none
+};
+
 /// What the numbers in a mesh file mean.
 enum class LengthUnit { metre, centimetre, millimetre, inch, foot };
 
@@ -166,6 +174,12 @@ struct ColliderDesc {
     double height = 0.5;           ///< capsule, cylinder: length of the axis, along y before `rotate` [m]
     Vec3 size{0.5, 0.5, 0.5};      ///< box: edge lengths [m]
     std::optional<MeshData> mesh;  ///< mesh: open or closed, any triangles
+    /// mesh: its vertices over time, linear between frames, instead of those in `mesh`.
+    std::shared_ptr<const MeshCache> cache;
+    double cache_start = 0.0;              ///< when the cache's first frame stands; it stands before, too [s]
+    double cache_speed = 1.0;              ///< of the cache's time against the run's
+    bool cache_loop = false;               ///< after the last frame comes the first; else the last one stays
+    std::optional<double> cache_rate;      ///< frames per second, instead of the cache's own times
     LengthUnit units = LengthUnit::metre;  ///< mesh: of its coordinates
     double scale = 1.0;                    ///< mesh: applied before `rotate`
     Vec3 rotate = Vec3::Zero();   ///< box, capsule, cylinder, mesh: about the fixed x, y, z axes [degree]

@@ -338,7 +338,18 @@ void describe(V& v, ColliderDesc& c) {
     v("height", c.height, "m", ranges::length, "of a capsule's axis or a cylinder, along y");
     v("size", c.size, "m", ranges::length, "of a box");
     v("mesh", c.mesh, "of shape = \"mesh\"; open or closed");
-    v.when(c.mesh.has_value(), [&] { v("units", c.units, "of the coordinates in mesh; default: m"); });
+    v("cache", c.cache, "of shape = \"mesh\": where its vertices are over time");
+    v.when(c.mesh || c.cache,
+           [&] { v("units", c.units, "of the coordinates in mesh and cache; default: m"); });
+    v.when(c.cache != nullptr, [&] {
+        v("cache_start", c.cache_start, "s", within(1e9), "when the cache's first frame stands; default: 0");
+        v("cache_speed", c.cache_speed, "", range(1e-6, 1e6),
+          "of the cache's time against the run's; default: 1");
+        v("cache_loop", c.cache_loop,
+          "whether the first frame comes after the last; default: false, that stays");
+    });
+    v("cache_rate", c.cache_rate, "1/s", range(1e-3, 1e6),
+      "frames of the cache per second; default: as the file says, or 24");
     v("scale", c.scale, "", range(1e-6, 1e6), "of a mesh");
     v("rotate", c.rotate, "degree", ranges::turn,
       "of a box, capsule, cylinder or mesh, about fixed x, then y, then z");

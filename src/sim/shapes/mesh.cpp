@@ -1,7 +1,9 @@
 #include <cmath>
+#include <utility>
 
 #include "sim/geometry/box_tree.h"
 #include "sim/geometry/collide.h"
+#include "sim/motion/mesh_cache.h"
 #include "sim/scene/mesh.h"
 #include "sim/shapes/surfaces.h"
 
@@ -15,11 +17,8 @@ double distance_from(const Box& box, const Vec3& p) {
 
 class MeshShape final : public ColliderShape {
   public:
-    explicit MeshShape(const ColliderDesc& c)
-        : mesh_(placed(*c.mesh, c.center, rotation_matrix(c.rotate), c.scale * length_of(c.units))),
-          offset_(c.contact_offset),
-          tree_(centres(mesh_)),
-          boxes_(tree_.nodes.size()) {
+    MeshShape(MeshData mesh, double offset)
+        : mesh_(std::move(mesh)), offset_(offset), tree_(centres(mesh_)), boxes_(tree_.nodes.size()) {
         for (int n = static_cast<int>(boxes_.size()) - 1; n >= 0; --n) {
             const BoxTree::Node& node = tree_.nodes[n];
             if (node.left < 0) {
@@ -86,8 +85,14 @@ class MeshShape final : public ColliderShape {
 
 }  // namespace
 
-std::unique_ptr<const ColliderShape> make_mesh(const ColliderDesc& collider) {
-    return std::make_unique<MeshShape>(collider);
+std::unique_ptr<const ColliderShape> make_bent_mesh(const ColliderDesc& collider, const Points& vertices) {
+    return std::make_unique<MeshShape>(MeshData{vertices, collider.mesh->triangles}, collider.contact_offset);
+}
+
+std::unique_ptr<const ColliderShape> make_mesh(const ColliderDesc& c) {
+    if (c.cache) return make_bent_mesh(c, cached_vertices(c, 0.0));
+    return std::make_unique<MeshShape>(
+        placed(*c.mesh, c.center, rotation_matrix(c.rotate), c.scale * length_of(c.units)), c.contact_offset);
 }
 
 }  // namespace cloth

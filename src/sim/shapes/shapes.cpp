@@ -9,6 +9,7 @@ std::unique_ptr<const ColliderShape> make_box(const ColliderDesc&);
 std::unique_ptr<const ColliderShape> make_capsule(const ColliderDesc&);
 std::unique_ptr<const ColliderShape> make_cylinder(const ColliderDesc&);
 std::unique_ptr<const ColliderShape> make_mesh(const ColliderDesc&);
+std::unique_ptr<const ColliderShape> make_bent_mesh(const ColliderDesc&, const Points& vertices);
 
 std::unique_ptr<const ColliderShape> make_shape(const ColliderDesc& collider) {
     switch (collider.shape) {
@@ -26,6 +27,10 @@ std::unique_ptr<const ColliderShape> make_shape(const ColliderDesc& collider) {
             return make_mesh(collider);
     }
     return nullptr;
+}
+
+std::unique_ptr<const ColliderShape> make_shape(const ColliderDesc& collider, const Placement& placement) {
+    return placement.bent ? make_bent_mesh(collider, *placement.bent) : make_shape(collider);
 }
 
 }  // namespace cloth

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sim/algebra/types.h"
+#include "sim/motion/placement.h"
 #include "sim/scene/scene.h"
 
 namespace cloth {
@@ -54,6 +55,9 @@ class ColliderShape {
     virtual ContactPrimitive primitive() const = 0;
 };
 
+/// A mesh that bends is as it is at time 0.
 std::unique_ptr<const ColliderShape> make_shape(const ColliderDesc& collider);
+/// As it is bent in a placement, without the placement's own turn and shift.
+std::unique_ptr<const ColliderShape> make_shape(const ColliderDesc& collider, const Placement& placement);
 
 }  // namespace cloth

@@ -56,7 +56,7 @@ SurfacePoint surface_at_end(const Model& model, const ContactSet& set, int colli
     const Placement& end = set.colliders().target(collider);
     const Vec3 at_rest = end.rotation.transpose() * (p - end.translation);
     const double offset = desc.contact_radius ? *desc.contact_radius - desc.radius : desc.contact_offset;
-    const SurfacePoint found = make_shape(desc)->distance(at_rest);
+    const SurfacePoint found = make_shape(desc, end)->distance(at_rest);
     return {found.distance - offset, end.rotation * found.normal};
 }
 

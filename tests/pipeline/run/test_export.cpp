@@ -46,16 +46,17 @@ std::vector<std::string> told;
 class Listener : public Exporter {
   public:
     explicit Listener(const fs::path& file) { told = {file.filename().string()}; }
-    void begin(const Topology& topology, double frame_rate) override {
+    void begin(const ExportScene& scene) override {
+        const Topology& topology = scene.topology;
         told.push_back("begin " + std::to_string(topology.rest_positions.rows()) + " vertices, " +
                        std::to_string(topology.triangles.rows()) + " triangles, " +
-                       std::to_string(static_cast<int>(frame_rate)) + "/s");
+                       std::to_string(static_cast<int>(scene.frame_rate)) + "/s");
         start_ = topology.rest_positions(0, 1);
     }
-    void frame(std::int64_t index, double time, const Points& positions) override {
-        CHECK(positions.rows() == 12);
-        told.push_back("frame " + std::to_string(index) + " at " + std::to_string(time) + ", risen by " +
-                       std::to_string(positions(0, 1) - start_));
+    void frame(const ExportFrame& frame) override {
+        CHECK(frame.positions.rows() == 12);
+        told.push_back("frame " + std::to_string(frame.index) + " at " + std::to_string(frame.time) +
+                       ", risen by " + std::to_string(frame.positions(0, 1) - start_));
     }
     void end() override { told.emplace_back("end"); }
 
@@ -63,7 +64,10 @@ class Listener : public Exporter {
     double start_ = 0.0;
 };
 
-const ExportFormat listening{"listening", ".ear", "for this test", SequenceFiles::one,
+const ExportFormat listening{"listening",
+                             {".ear"},
+                             "for this test",
+                             SequenceFiles::one,
                              [](const fs::path& file, FrameNames) -> std::unique_ptr<Exporter> {
                                  return std::make_unique<Listener>(file);
                              }};
@@ -72,16 +76,17 @@ const ExportFormat listening{"listening", ".ear", "for this test", SequenceFiles
 
 TEST_CASE("an exporter is told topology, rate, and each frame with its time", "[export]") {
     const Kept kept;
-    export_frames(kept.out(), {1, 3}, listening, kept / "all.ear", {});
+    export_frames(kept.out(), {FrameSpan{1, 3}}, listening, kept / "all.ear", FrameNames::numbered, {});
     CHECK(told == std::vector<std::string>{"all.ear", "begin 12 vertices, 12 triangles, 25/s",
                                            "frame 1 at 0.040000, risen by 1.000000",
                                            "frame 2 at 0.080000, risen by 2.000000", "end"});
-    export_frame(kept.out(), 3, listening, kept / "one.ear");
+    export_frames(kept.out(), {FrameSpan{3, 4}}, listening, kept / "one.ear", FrameNames::as_given, {});
     CHECK(told == std::vector<std::string>{"one.ear", "begin 12 vertices, 12 triangles, 25/s",
                                            "frame 3 at 0.120000, risen by 3.000000", "end"});
 }
 
-TEST_CASE("progress of an export is told frame by frame, and one that is stopped leaves nothing", "[export]") {
+TEST_CASE("progress of an export is told frame by frame, and one that is stopped leaves nothing",
+          "[export]") {
     const Kept kept;
     std::atomic<bool> stop = false;
     std::vector<std::int64_t> done;
@@ -93,11 +98,9 @@ TEST_CASE("progress of an export is told frame by frame, and one that is stopped
         stop = progress.simulated == 2;
     };
     const ExportFormat& obj = export_format("obj", "");
-    CHECK(message_of(
-              [&] {
-                  export_frames(kept.out(), {0, 4}, obj, kept / "m.obj", options);
-              },
-              ExitCode::interrupted) == "interrupted: no mesh was written");
+    CHECK(
+        message_of([&] { export_frames(kept.out(), {}, obj, kept / "m.obj", FrameNames::numbered, options); },
+                   ExitCode::interrupted) == "interrupted: no mesh was written");
     CHECK(done == std::vector<std::int64_t>{1, 2});
     CHECK(std::distance(fs::directory_iterator(kept / ""), {}) == 1);  // the run itself
 }
@@ -106,8 +109,8 @@ TEST_CASE("a sequence that cannot be made is refused, and nothing is left of it"
     const Kept kept;
     const ExportFormat& ply = export_format("ply", "");
     const auto refusal = [&](const FrameSpan& span, const std::string& file, ExitCode code) {
-        const std::string message =
-            message_of([&] { export_frames(kept.out(), span, ply, kept / file, {}); }, code);
+        const std::string message = message_of(
+            [&] { export_frames(kept.out(), {span}, ply, kept / file, FrameNames::numbered, {}); }, code);
         CHECK(std::distance(fs::directory_iterator(kept / ""), {}) == 1);
         return message;
     };

@@ -49,7 +49,7 @@ TEST_CASE("scenes are found by name and by path", "[scene_file]") {
 
 TEST_CASE("a relative mesh is looked for beside the scene", "[scene_file]") {
     const TemporaryFolder folder;
-    spit(folder / "rest.ply", ply_text(make_grid({.resolution = {3, 3}})));
+    spit(folder / "rest.ply", ply_bytes(make_grid({.resolution = {3, 3}})));
     spit(folder / "s.toml", sheet("mesh = \"rest.ply\"\n"));
     const fs::path before = fs::current_path();
     fs::current_path(folder.path().parent_path());

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/formats/mesh_cache_file.h"
 #include "pipeline/formats/ply.h"
 #include "pipeline/scene_file/scene_text.h"
 #include "pipeline/scene_file/tables.h"
@@ -90,6 +91,9 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
     const std::string mesh = (folder / "rest.ply").string(),
                       event =
                           "version = 1\n[[cloth]]\n[[collider]]\nname = \"ball\"\n[[collider]]\n[[event]]\n";
+    const std::string cache = (folder / "rest.npz").string();
+    const Overrides body{"collider.shape=mesh", "collider.mesh=" + mesh},
+        bending{"collider.shape=mesh", "collider.mesh=" + mesh, "collider.cache=" + cache};
     const Overrides moduli{"cloth.fabric.mu=2.5", "cloth.fabric.lambda=2.5"};
     // What follows a cloth's size where it is not said.
     const std::string lengths =
@@ -121,6 +125,11 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
          {.needs = {"collider.shape=mesh", "collider.mesh=" + (folder / "print.ply").string()},
           .value = "\"" + mesh + "\""}},
         {"collider.units", {.needs = {"collider.shape=mesh", "collider.mesh=" + mesh}, .value = "\"mm\""}},
+        {"collider.cache", {.needs = body, .value = "\"" + cache + "\""}},
+        {"collider.cache_start", {.needs = bending}},
+        {"collider.cache_speed", {.needs = bending}},
+        {"collider.cache_loop", {.needs = bending}},
+        {"collider.cache_rate", {.needs = bending}},
         {"pin.cloth", {.value = "\"b\"", .scene = two_cloths + "[[pin]]\nedge = \"top\"\n"}},
         {"pin.vertices", {.value = "[4, 2]"}},
         {"pin.box", {.value = "[[-9.0, -8.0, -7.0], [6.0, 5.0, 4.0]]"}},
@@ -179,8 +188,9 @@ void check_only(SceneFile& base, SceneFile& set, const std::string& key, const s
 TEST_CASE("every key is read into its own place, written, and read back to the bit", "[scene_file]") {
     const TemporaryFolder folder;
     const MeshData rest = make_grid({.resolution = {3, 3}});
-    spit(folder / "rest.ply", ply_text(rest));
-    spit(folder / "print.ply", ply_text(rest));
+    spit(folder / "rest.ply", ply_bytes(rest));
+    spit(folder / "print.ply", ply_bytes(rest));
+    write_mesh_cache({{rest.positions, rest.positions}, {}, {}}, folder / "rest.npz");
     render::write_png({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, folder / "print.png");
     const std::map<std::string, Setting> special = settings(folder.path());
     SceneFile each = scene_of_each();
@@ -274,7 +284,7 @@ TEST_CASE("single-precision numbers are written as typed", "[scene_file]") {
 
 TEST_CASE("a scene can be written with its files under other names", "[scene_file]") {
     const TemporaryFolder folder;
-    spit(folder / "rest.ply", ply_text(make_grid({.resolution = {3, 3}})));
+    spit(folder / "rest.ply", ply_bytes(make_grid({.resolution = {3, 3}})));
     const SceneFile f =
         parse_scene(sheet("mesh = \"rest.ply\"\npose = \"rest.ply\"\n"), "s.toml", folder.path());
     const std::string text = f.resolved({{"cloth[0].mesh", "meshes/a.obj"}});
