@@ -20,32 +20,50 @@ void refuse(const std::string& line) {
 }
 
 void Flags::yes(const std::string& name, bool& given, const std::string& help) {
+    known_.push_back({{name, "", help, false}, {}});
     app_.add_flag(name, given, help);
 }
 
 void Flags::text(const Flag& flag, std::string& value) {
+    known_.push_back({flag, {}});
     dressed(app_.add_option(flag.name, value, flag.help), flag);
 }
 
 void Flags::integer(const Flag& flag, int& value, int least, int greatest) {
+    known_.push_back({flag, {}});
     dressed(app_.add_option(flag.name, value, flag.help), flag)->check(CLI::Range(least, greatest));
 }
 
 void Flags::number(const Flag& flag, double& value, double least, double greatest) {
+    known_.push_back({flag, {}});
     dressed(app_.add_option(flag.name, value, flag.help), flag)->check(CLI::Range(least, greatest));
 }
 
 void Flags::choice(const Flag& flag, std::string& value, const std::vector<std::string>& names) {
+    known_.push_back({flag, names});
     dressed(app_.add_option(flag.name, value, flag.help), flag)->check(CLI::IsMember(names));
 }
 
 void Flags::words(const Flag& flag, std::vector<std::string>& values, int count) {
+    known_.push_back({flag, {}});
     dressed(app_.add_option(flag.name, values, flag.help), flag)->expected(count);
 }
 
 void Flags::repeated(const Flag& flag, std::vector<std::string>& values) {
+    known_.push_back({flag, {}});
     // One word a flag, so that what follows it is not taken for another value.
     dressed(app_.add_option(flag.name, values, flag.help), flag)->allow_extra_args(false);
+}
+
+std::vector<KnownVerb> known_verbs(const std::vector<Verb>& verbs) {
+    std::vector<KnownVerb> known;
+    for (const Verb& verb : verbs) {
+        CLI::App app;
+        Flags flags(app);
+        const Action unused = verb.add(flags);
+        known.push_back({verb.name, verb.help, flags.known()});
+    }
+    return known;
 }
 
 Action parse(std::vector<std::string> words, const std::vector<Verb>& verbs) {

@@ -26,11 +26,19 @@ struct Flag {
     bool required = false;
 };
 
+/// A flag as it was added, and the words that it takes, where there are but some.
+struct KnownFlag : Flag {
+    std::vector<std::string> choices;
+};
+
 /// The flags of one verb. A flag that is not given leaves its variable alone; a bad value is refused as
 /// "--count: Value 0 not in range 1 to 1000".
 class Flags {
   public:
     explicit Flags(CLI::App& app) : app_(app) {}
+
+    /// All that were added.
+    const std::vector<KnownFlag>& known() const { return known_; }
 
     void yes(const std::string& name, bool& given, const std::string& help);
     void text(const Flag& flag, std::string& value);
@@ -45,6 +53,7 @@ class Flags {
 
   private:
     CLI::App& app_;
+    std::vector<KnownFlag> known_;
 };
 
 using Action = std::function<ExitCode()>;
@@ -65,6 +74,13 @@ Verb verb(const std::string& name, const std::string& help, void (*add)(Flags&, 
                 return [values, run] { return run(*values); };
             }};
 }
+
+/// A verb and its flags, to be written about.
+struct KnownVerb {
+    std::string name, help;
+    std::vector<KnownFlag> flags;
+};
+std::vector<KnownVerb> known_verbs(const std::vector<Verb>& verbs);
 
 /// What the words (without the program's name) ask for. The first is the verb; where it is a flag or nothing,
 /// the first of `verbs` is meant; --version is the verb version. Throws Error(usage), saying what would be

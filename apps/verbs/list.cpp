@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "apps/cli/manual.h"
 #include "apps/verbs/verbs.h"
 #include "pipeline/formats/exporters.h"
 #include "pipeline/scene_file/fabric_list.h"
@@ -44,6 +45,10 @@ constexpr Listing listings[] = {
      [](const Values&) { fmt::print("{}", pipeline::json_schema()); }},
     {"formats", "of meshes that are written",
      [](const Values&) { fmt::print("{}", pipeline::export_format_list()); }},
+    {"manual", "of this program, for man",
+     [](const Values&) { fmt::print("{}", cli::manual_page(cli::known_verbs(all()))); }},
+    {"completion", "of its words, for bash",
+     [](const Values&) { fmt::print("{}", cli::bash_completion(cli::known_verbs(all()))); }},
 };
 
 void add(cli::Flags& flags, Values& values) {

@@ -14,7 +14,8 @@ namespace cloth::pipeline {
 /// frame named .vtp is that file alone, cloths only.
 ///
 /// A vertex has velocity [m/s], normal, uv and the scene's fields, a triangle the number of its cloth (or
-/// collider) as `object`; the time [s] of cloths is the field TimeValue. Positions are doubles, all else floats.
+/// collider) as `object`; the time [s] of cloths is the field TimeValue. Positions are doubles, all else
+/// floats.
 std::unique_ptr<Exporter> vtk_exporter(const std::filesystem::path& file, FrameNames names);
 
 }  // namespace cloth::pipeline

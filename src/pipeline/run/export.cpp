@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <system_error>
 #include <utility>
 
@@ -56,7 +57,7 @@ std::vector<std::int64_t> chosen_frames(const RunFolder& folder, const std::opti
 /// A kept run as exporters are told of it.
 class ExportedRun {
   public:
-    ExportedRun(const fs::path& out, const ExportChoice& choice)
+    ExportedRun(const fs::path& out, const ExportChoice& choice, const std::atomic<bool>* stop)
         : run_(open_run(out)), topology_(read_topology(run_.folder.topology())), fields_(run_.model) {
         const SceneFile& file = run_.file;
         const auto chosen = chosen_cloths(topology_, choice.cloth);
@@ -95,7 +96,7 @@ class ExportedRun {
         scene_.fields = vertex_field_names();
         camera_ = file.camera;
         if (camera_.framing == Framing::automatic) {
-            if (const auto extent = survey_run(run_.folder, file, run_.model, nullptr).extent)
+            if (const auto extent = survey_run(run_.folder, file, run_.model, stop).extent)
                 camera_ = extent->framed(camera_);
         }
     }
@@ -148,7 +149,7 @@ std::vector<std::int64_t> export_frames(const fs::path& out, const ExportChoice&
         throw Error(ExitCode::usage,
                     fmt::format("--file {}: is a folder; give a name in it, as in {}", file.string(),
                                 (file / fmt::format("sheet{}", format.extension())).string()));
-    const ExportedRun run(out, choice);
+    const ExportedRun run(out, choice, options.stop);
     const StateReader read = run.reader();
     const auto exporter = format.make(file, names);
     Progress progress{.frames = static_cast<std::int64_t>(run.scene().frames.size())};
