@@ -17,7 +17,7 @@ TEST_CASE("a cloth and a collider alone run to rest, and nothing overlaps", "[sc
             "rotate = [-90, 0, 0]\ntranslate = [0, 0.3, 0]\n[[collider]]\nshape = \"" + shape + "\"\n"));
         Simulation simulation(file.scene);
         FrameReport report;
-        for (int frame = 0; frame < 180; ++frame) {
+        for (int frame = 0; frame < 300; ++frame) {
             report = simulation.advance_frame();
             REQUIRE(report.converged);
             REQUIRE(report.smallest_gap > 0.0);
