@@ -205,7 +205,7 @@ TEST_CASE("only regular files are replaced, devices and pipes are written to, li
     CHECK(
         comes_true([&] { return slurp(place / "got.png").ends_with(std::string("IEND\xae\x42\x60\x82")); }));
     CHECK(fs::is_fifo(place / "pipe"));
-    check_refusal(place.run(one + "o"), 1, {"cannot write o: Is a directory"});
+    check_refusal(place.run(one + "o"), 2, {"--file o: is a folder; give a name in it, as in o/sheet.obj"});
     no_parts(place);
 
     // A link in the folder of a run leads nowhere either.
