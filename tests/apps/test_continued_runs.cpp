@@ -209,7 +209,7 @@ TEST_CASE("a branch goes on from a frame with other keys, and shares the past", 
     CHECK(place.run("resume o --from 3 --out b --quiet --set camera.position=[1,1,2]").code == 0);
     CHECK(made(place, "o") == before);
 
-    check_refusal(place.run("resume o --from 6 --out c"), 2,
+    check_refusal(place.run("resume o --from 6 --frames 9 --out c"), 2,
                   {"--from 6: its state is not kept in o", "6 frames from 0 to 5"});
     check_refusal(place.run("resume o --from 3 --frames 3 --out c"), 2,
                   {"--frames 3: a branch from frame 3"});
@@ -245,9 +245,8 @@ TEST_CASE("an audit finds the frames that are not what their past leads to, and 
     const Outcome bad = place.run("audit o --windows 20 --length 3");
     CHECK(bad.code == 8);
     CHECK_THAT(bad.out,
-               Contains("frame 4 is not what the frame before it leads to, made by the host shaky\n") &&
-                   Contains("frame 5 is not what the frame before it leads to"));
-    CHECK_THAT(bad.err, Contains("o: 2 of 8 states are bad, the first is that of frame 4"));
+               Contains("frame 4 is not what the frame before it leads to, made by the host shaky\n"));
+    CHECK_THAT(bad.err, Contains("o: 1 of 8 states are bad, the first is that of frame 4"));
     spit(place / "o/states/state_000006.bin", "no state");
     CHECK_THAT(place.run("audit o").out,
                Contains("frame 6 is not the file that its line in the ledger tells of"));

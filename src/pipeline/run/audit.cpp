@@ -35,11 +35,12 @@ AuditResult audit_run(const std::filesystem::path& out, const AuditOptions& audi
             faults[frame] = "is not the file that its line in the ledger tells of";
     }
 
-    // Frames that can be made from a kept one before them; a branch begins by no step.
+    // Frames that can be made from a kept one before them. Up to where a branch begins they are another
+    // run's.
     std::vector<std::int64_t> checkable;
     for (const std::int64_t frame : kept)
         if (frame > 0 && std::binary_search(kept.begin(), kept.end(), frame - 1) &&
-            frame + 1 != std::ssize(manifest.trunk))
+            frame >= std::ssize(manifest.trunk))
             checkable.push_back(frame);
     if (checkable.empty())
         throw Error(ExitCode::other,
@@ -48,7 +49,7 @@ AuditResult audit_run(const std::filesystem::path& out, const AuditOptions& audi
     simulation.stop_on(options.stop);
     const StateReader read = state_reader(run.folder, run.model);
     const auto whole = [&](std::int64_t frame) { return !faults.contains(frame); };
-    if (kept.front() == 0 && whole(0) && manifest.trunk.size() != 1 &&
+    if (kept.front() == 0 && whole(0) && manifest.trunk.empty() &&
         state_bytes(read_kept(read, 0)) != state_bytes(simulation.state()))
         faults[0] = "is not the scene's start";
 

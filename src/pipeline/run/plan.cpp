@@ -196,10 +196,11 @@ RunPlan plan_run(const RunFolder& folder, const Wanted& wanted) {
             }
             why_movie = damaged;
         } else {
-            why_movie = !changed.look.empty()      ? changed.look
-                        : !changed.physics.empty() ? changed.physics
-                        : !reasons.empty()         ? "its pictures change"
-                                                   : "its rate, quality or frames changed";
+            why_movie = !changed.look.empty()          ? changed.look
+                        : !changed.physics.empty()     ? changed.physics
+                        : entry == ledger.movies.end() ? unrecorded
+                        : !reasons.empty()             ? "its pictures change"
+                                                       : "its rate, quality or frames changed";
         }
         if (ours) lose(folder.root() / name, why_movie, "movie");
         if (movie_name == own_movie) break;
