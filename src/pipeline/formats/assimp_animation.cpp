@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/memory.h"
 #include "base/text.h"
 #include "pipeline/formats/assimp_import.h"
 #include "pipeline/formats/error.h"
@@ -27,12 +26,6 @@ using Eigen::Matrix4d;
 
 constexpr double samples_per_second = 60.0;
 
-Matrix4d matrix_of(const aiMatrix4x4& m) {
-    Matrix4d result;
-    for (unsigned r = 0; r < 4; ++r)
-        for (unsigned c = 0; c < 4; ++c) result(r, c) = m[r][c];
-    return result;
-}
 Vec3 vector_of(const aiVector3D& v) {
     return {v.x, v.y, v.z};
 }
@@ -199,13 +192,10 @@ class Animated {
 std::string sampled(const fs::path& path, const std::string& extension) {
     const FilePlace place{path};
     Assimp::Importer importer;
-    keep_readers_of(extension, importer);
-    const aiScene* scene = importer.ReadFile(path.string(), 0);
-    if (scene == nullptr || scene->mRootNode == nullptr)
-        place.fail(std::string("cannot be read as a mesh: ") + importer.GetErrorString());
-    if (scene->mNumAnimations == 0)
+    const aiScene& scene = open_scene(importer, path, extension);
+    if (scene.mNumAnimations == 0)
         place.fail("has no animation; a body that stands still is named by mesh alone");
-    const Animated animated(*scene, place);
+    const Animated animated(scene, place);
     const double seconds = animated.seconds();
     constexpr double longest = 3600.0;
     if (!(seconds >= 0.0 && seconds <= longest))
@@ -227,9 +217,9 @@ std::string sampled(const fs::path& path, const std::string& extension) {
         }
         append(positions.data(), static_cast<std::size_t>(positions.size()) * sizeof(double));
     }
-    if (scene->mNumAnimations > 1)
-        bytes += fmt::format("has {} animations; the first, {}, is taken", scene->mNumAnimations,
-                             one_line(scene->mAnimations[0]->mName.C_Str()));
+    if (scene.mNumAnimations > 1)
+        bytes += fmt::format("has {} animations; the first, {}, is taken", scene.mNumAnimations,
+                             one_line(scene.mAnimations[0]->mName.C_Str()));
     return bytes;
 }
 
@@ -257,24 +247,8 @@ LoadedCache cache_of(std::string_view bytes) {
 LoadedCache import_animation(const fs::path& path, const std::string& extension, ChildLimits limits) {
     // The triangles come the way that a mesh that stands still does; this refuses what is no mesh at all.
     LoadedMesh mesh = checked_mesh(import_by_assimp(path, extension, limits), path, true);
-    const FilePlace place{path};
-    if (limits.memory == 0) limits.memory = available_memory() / 4 * 3;
-    std::string answer;
-    try {
-        answer = in_child(
-            [&]() -> std::string {
-                try {
-                    return 'm' + sampled(path, extension);
-                } catch (const Error& e) {
-                    return 'e' + std::string(e.what());
-                }
-            },
-            limits);
-    } catch (const std::runtime_error& e) {
-        place.fail("cannot be read as a mesh: the reader of " + extension + " files " + e.what());
-    }
-    if (answer.front() == 'e') throw Error(ExitCode::invalid_scene, answer.substr(1));
-    LoadedCache loaded = cache_of(std::string_view(answer).substr(1));
+    LoadedCache loaded =
+        cache_of(read_in_child(path, extension, limits, [&] { return sampled(path, extension); }));
     loaded.cache.triangles = std::move(mesh.mesh.triangles);
     return loaded;
 }

@@ -23,11 +23,7 @@ namespace fs = std::filesystem;
 /// Appends the meshes of a node and of those below it, moved to where the nodes stand.
 void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent, const FilePlace& place,
             MeshDraft& draft) {
-    Eigen::Matrix4d local;
-    for (unsigned r = 0; r < 4; ++r) {
-        for (unsigned c = 0; c < 4; ++c) local(r, c) = node.mTransformation[r][c];
-    }
-    const Eigen::Matrix4d world = parent * local;
+    const Eigen::Matrix4d world = parent * matrix_of(node.mTransformation);
     const bool moved = !world.isIdentity(0.0);
     std::vector<std::int64_t> corners;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
@@ -103,8 +99,7 @@ MeshDraft draft_of(std::string_view bytes) {
     return draft;
 }
 
-}  // namespace
-
+/// Leaves the importer no reader but those of the extension: left alone it asks all of them.
 void keep_readers_of(const std::string& extension, Assimp::Importer& importer) {
     for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
         const std::vector<std::string> theirs = split(importer.GetImporterInfo(i)->mFileExtensions, ' ');
@@ -115,46 +110,63 @@ void keep_readers_of(const std::string& extension, Assimp::Importer& importer) {
     }
 }
 
-MeshDraft import_unguarded(const fs::path& path, const std::string& extension) {
-    const FilePlace place{path};
-    Assimp::Importer importer;
-    keep_readers_of(extension, importer);
-    const aiScene* scene = importer.ReadFile(path.string(), 0);
-    if (scene == nullptr || scene->mRootNode == nullptr) {
-        place.fail(std::string("cannot be read as a mesh: ") + importer.GetErrorString());
-    }
-    MeshDraft draft;
-    append(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), place, draft);
-    if (extension == ".stl") join_equal_positions(draft);
-    if (scene->mNumAnimations > 0)
-        draft.notes.push_back(plural(scene->mNumAnimations, "animation") +
-                              " ignored: the mesh stands still, where its nodes are at rest");
-    return draft;
+}  // namespace
+
+Eigen::Matrix4d matrix_of(const aiMatrix4x4& m) {
+    Eigen::Matrix4d result;
+    for (unsigned r = 0; r < 4; ++r)
+        for (unsigned c = 0; c < 4; ++c) result(r, c) = m[r][c];
+    return result;
 }
 
-MeshDraft import_by_assimp(const fs::path& path, const std::string& extension, ChildLimits limits) {
-    const FilePlace place{path};
-    if (extension.size() < 2 || !Assimp::Importer().IsExtensionSupported(extension)) {
-        place.fail("\"" + extension +
-                   "\" is no format of a mesh that can be read; OBJ, PLY, STL and glTF are some");
-    }
+const aiScene& open_scene(Assimp::Importer& importer, const fs::path& path, const std::string& extension) {
+    keep_readers_of(extension, importer);
+    const aiScene* scene = importer.ReadFile(path.string(), 0);
+    if (scene == nullptr || scene->mRootNode == nullptr)
+        FilePlace{path}.fail(std::string("cannot be read as a mesh: ") + importer.GetErrorString());
+    return *scene;
+}
+
+std::string read_in_child(const fs::path& path, const std::string& extension, ChildLimits limits,
+                          const std::function<std::string()>& read) {
     if (limits.memory == 0) limits.memory = available_memory() / 4 * 3;
     std::string answer;
     try {
         answer = in_child(
             [&]() -> std::string {
                 try {
-                    return 'm' + bytes_of(import_unguarded(path, extension));
+                    return 'm' + read();
                 } catch (const Error& e) {
                     return 'e' + std::string(e.what());
                 }
             },
             limits);
     } catch (const std::runtime_error& e) {
-        place.fail("cannot be read as a mesh: the reader of " + extension + " files " + e.what());
+        FilePlace{path}.fail("cannot be read as a mesh: the reader of " + extension + " files " + e.what());
     }
     if (answer.front() == 'e') throw Error(ExitCode::invalid_scene, answer.substr(1));
-    return draft_of(std::string_view(answer).substr(1));
+    return answer.substr(1);
+}
+
+MeshDraft import_unguarded(const fs::path& path, const std::string& extension) {
+    Assimp::Importer importer;
+    const aiScene& scene = open_scene(importer, path, extension);
+    MeshDraft draft;
+    append(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), FilePlace{path}, draft);
+    if (extension == ".stl") join_equal_positions(draft);
+    if (scene.mNumAnimations > 0)
+        draft.notes.push_back(plural(scene.mNumAnimations, "animation") +
+                              " ignored: the mesh stands still, where its nodes are at rest");
+    return draft;
+}
+
+MeshDraft import_by_assimp(const fs::path& path, const std::string& extension, ChildLimits limits) {
+    if (extension.size() < 2 || !Assimp::Importer().IsExtensionSupported(extension)) {
+        FilePlace{path}.fail("\"" + extension +
+                             "\" is no format of a mesh that can be read; OBJ, PLY, STL and glTF are some");
+    }
+    return draft_of(
+        read_in_child(path, extension, limits, [&] { return bytes_of(import_unguarded(path, extension)); }));
 }
 
 }  // namespace cloth::pipeline

@@ -1,12 +1,16 @@
 #pragma once
 // Mesh formats other than OBJ and PLY, by assimp.
 
+#include <assimp/matrix4x4.h>
+
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "base/child.h"
 #include "pipeline/formats/mesh_draft.h"
 
+struct aiScene;
 namespace Assimp {
 class Importer;
 }  // namespace Assimp
@@ -21,9 +25,17 @@ namespace cloth::pipeline {
 MeshDraft import_by_assimp(const std::filesystem::path& path, const std::string& extension,
                            ChildLimits limits = {});
 
-/// Leaves the importer no reader but those of the extension: left alone it asks all of them, and some crash
-/// or hang over what is not theirs.
-void keep_readers_of(const std::string& extension, Assimp::Importer& importer);
+/// The file as the readers of its extension have it, for as long as the importer lives. No others are asked:
+/// some crash or hang over what is not theirs. Throws Error(invalid_scene).
+const aiScene& open_scene(Assimp::Importer& importer, const std::filesystem::path& path,
+                          const std::string& extension);
+
+/// What read() gives in a child process. Throws Error(invalid_scene) with the text of its Error, or where the
+/// child crashes or passes a limit; 0 of memory: three quarters of what is there.
+std::string read_in_child(const std::filesystem::path& path, const std::string& extension, ChildLimits limits,
+                          const std::function<std::string()>& read);
+
+Eigen::Matrix4d matrix_of(const aiMatrix4x4& m);
 
 /// The same in this process, as it is: for tests that look for the readers' own faults.
 MeshDraft import_unguarded(const std::filesystem::path& path, const std::string& extension);
