@@ -62,6 +62,15 @@ struct ColliderPose {
 struct ExportCamera {
     Vec3 position, target, up;
     double field_of_view;  ///< vertical [degree]
+
+    /// Columns: to its right, up, and back from what it looks at.
+    Mat3 axes() const {
+        const Vec3 back = (position - target).normalized();
+        const Vec3 right = up.cross(back).normalized();
+        Mat3 R;
+        R << right, back.cross(right), back;
+        return R;
+    }
 };
 
 struct ExportFrame {
@@ -72,9 +81,6 @@ struct ExportFrame {
     ExportCamera camera;
     std::function<VecX(VertexField)> field;  ///< one number a vertex
 };
-
-/// Of each vertex, weighted by the areas around it; unit length.
-Points vertex_normals(const Points& positions, const Triangles& triangles);
 
 /// begin(), then frame() for each frame in rising order, then end(). Its files appear under their names in
 /// end(); one that is destroyed without leaves none. Each call throws Error(other) naming the file that

@@ -47,15 +47,19 @@ void GrowingFile::write(std::string_view bytes) {
 }
 
 void GrowingFile::write(GrowingFile&& other) {
-    const PartFile taken = std::move(other.file_);
-    std::ifstream in(taken.part(), std::ios::binary);
+    const GrowingFile taken = std::move(other);
+    taken.read_back([&](std::string_view bytes) { write(bytes); });
+}
+
+void GrowingFile::read_back(const std::function<void(std::string_view)>& take) const {
+    std::ifstream in(part(), std::ios::binary);
     std::string block(std::size_t{1} << 22, '\0');
-    std::uint64_t left = other.size_;
+    std::uint64_t left = size_;
     while (left > 0) {
         in.read(block.data(), static_cast<std::streamsize>(std::min<std::uint64_t>(left, block.size())));
         const auto got = static_cast<std::size_t>(in.gcount());
-        if (got == 0) throw Error(ExitCode::other, "cannot read " + taken.part().string());
-        write(std::string_view(block).substr(0, got));
+        if (got == 0) throw Error(ExitCode::other, "cannot read " + part().string());
+        take(std::string_view(block).substr(0, got));
         left -= got;
     }
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,8 @@ class GrowingFile {
     /// All of another one's bytes, which are no longer needed.
     void write(GrowingFile&& other);
     std::uint64_t size() const { return size_; }
+    /// Hands on all bytes so far, piece by piece.
+    void read_back(const std::function<void(std::string_view)>& take) const;
     /// Where the bytes are until finish().
     const std::filesystem::path& part() const { return file_.part(); }
     void finish();

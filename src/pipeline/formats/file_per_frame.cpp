@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pipeline/formats/file_io.h"
+#include "sim/geometry/vertex_normals.h"
 
 namespace cloth::pipeline {
 

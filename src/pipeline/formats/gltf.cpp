@@ -18,6 +18,7 @@
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/raw_bytes.h"
 #include "render/image/image.h"
+#include "sim/geometry/vertex_normals.h"
 
 namespace cloth::pipeline {
 
@@ -139,7 +140,7 @@ class Gltf : public Exporter {
             const ColliderPose& pose = frame.colliders.at(c);
             tracks_[c].set(done_, pose.placement.translation, pose.placement.rotation, pose.on ? 1.0 : 0.0);
         }
-        tracks_.back().set(done_, frame.camera.position, axes(frame.camera), 1.0);
+        tracks_.back().set(done_, frame.camera.position, frame.camera.axes(), 1.0);
         ++done_;
     }
     void end() override {
@@ -262,13 +263,6 @@ class Gltf : public Exporter {
         mesh["extras"]["targetNames"].push_back(fmt::format("frame_{:06d}", index));
     }
 
-    static Mat3 axes(const ExportCamera& camera) {
-        const Vec3 back = (camera.position - camera.target).normalized();
-        const Vec3 right = camera.up.cross(back).normalized();
-        Mat3 R;
-        R << right, back.cross(right), back;
-        return R;
-    }
     void add_camera(const ExportCamera& camera) {
         cameras_.push_back({{"type", "perspective"},
                             {"perspective",

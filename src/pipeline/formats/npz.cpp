@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/npy.h"
 #include "pipeline/formats/raw_bytes.h"
@@ -40,16 +37,7 @@ class Npz : public Exporter {
     void end() override {
         zip_->end();
         zip_->begin("velocities", "<f8", motion_shape());
-        std::ifstream waiting(velocities_->part(), std::ios::binary);
-        std::string block(std::size_t{1} << 22, '\0');
-        for (std::uint64_t left = velocities_->size(); left > 0;) {
-            waiting.read(block.data(),
-                         static_cast<std::streamsize>(std::min<std::uint64_t>(left, block.size())));
-            if (waiting.gcount() <= 0)
-                throw Error(ExitCode::other, "cannot read " + velocities_->part().string());
-            zip_->write(std::string_view(block).substr(0, static_cast<std::size_t>(waiting.gcount())));
-            left -= static_cast<std::uint64_t>(waiting.gcount());
-        }
+        velocities_->read_back([&](std::string_view bytes) { zip_->write(bytes); });
         zip_->end();
         velocities_.reset();
         rest();

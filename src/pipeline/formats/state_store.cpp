@@ -5,7 +5,6 @@
 #include <zstd.h>
 
 #include <Eigen/Core>
-#include <bit>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -14,12 +13,11 @@
 
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/formats/raw_bytes.h"
 
 namespace cloth::pipeline {
 
 namespace fs = std::filesystem;
-
-static_assert(std::endian::native == std::endian::little, "states are stored little-endian");
 
 namespace {
 
@@ -33,7 +31,7 @@ class ByteWriter {
     template <class T>
     void value(T v) {
         static_assert(std::is_arithmetic_v<T>);
-        bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
+        put(bytes, v);
     }
     void count(std::size_t n) { value(static_cast<std::uint64_t>(n)); }
     void text(const std::string& s) {

@@ -16,6 +16,7 @@
 #include "base/portable_math.h"
 #include "base/text.h"
 #include "pipeline/formats/file_io.h"
+#include "sim/geometry/vertex_normals.h"
 
 namespace cloth::pipeline {
 
@@ -130,10 +131,8 @@ class Usda : public Exporter {
             bodies_[c].visibility.add(frame.index, frame.colliders[c].on ? "\"inherited\"" : "\"invisible\"");
         }
         const ExportCamera& camera = frame.camera;
-        const Vec3 back = (camera.position - camera.target).normalized();
-        const Vec3 right = camera.up.cross(back).normalized();
         Placement stands;
-        stands.rotation << right, back.cross(right), back;
+        stands.rotation = camera.axes();
         stands.translation = camera.position;
         camera_.add(frame.index, matrix_text(stands));
         focal_length_.add(frame.index,

@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/raw_bytes.h"
+#include "sim/geometry/vertex_normals.h"
 
 namespace cloth::pipeline {
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pipeline/picture/rest_chart.h"
+#include "sim/geometry/vertex_normals.h"
 #include "sim/motion/placement.h"
 #include "sim/shapes/shapes.h"
 
@@ -213,22 +214,11 @@ render::Frame FrameBuilder::build(const State& state) {
         Mesh& mesh = cloths_[c];
         const Subdivision& fine = subdivisions_[c];
         const Points& positions = drawn[c].drawn;
-        const Points& smooth = drawn[c].smooth;
-        // Weighted by area in doubles: a crossed product is twice a triangle's area long.
-        Points normals = Points::Zero(positions.rows(), 3);
-        for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t) {
-            const Vec3 p0 = smooth.row(fine.triangles(t, 0)), p1 = smooth.row(fine.triangles(t, 1)),
-                       p2 = smooth.row(fine.triangles(t, 2));
-            const Vec3 weighted = (p1 - p0).cross(p2 - p0);
-            for (int k = 0; k < 3; ++k) normals.row(fine.triangles(t, k)) += weighted.transpose();
-        }
+        const Points normals = vertex_normals(drawn[c].smooth, fine.triangles);
         for (Eigen::Index i = 0; i < positions.rows(); ++i) {
-            Vec3 normal = normals.row(i).transpose();
-            const double length = normal.norm();
-            normal = length > 0 ? Vec3(normal / length) : Vec3(Vec3::UnitY());  // folded flat: any will do
             for (int k = 0; k < 3; ++k) {
                 mesh.positions[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(positions(i, k));
-                mesh.normals[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(normal[k]);
+                mesh.normals[3 * static_cast<std::size_t>(i) + k] = static_cast<float>(normals(i, k));
             }
         }
         frame.surfaces.push_back(

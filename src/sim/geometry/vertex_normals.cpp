@@ -1,6 +1,6 @@
-#include "pipeline/formats/exporter.h"
+#include "sim/geometry/vertex_normals.h"
 
-namespace cloth::pipeline {
+namespace cloth {
 
 Points vertex_normals(const Points& positions, const Triangles& triangles) {
     Points normals = Points::Zero(positions.rows(), 3);
@@ -13,7 +13,6 @@ Points vertex_normals(const Points& positions, const Triangles& triangles) {
     }
     for (auto normal : normals.rowwise()) {
         const double length = normal.norm();
-        // Folded flat: any will do.
         if (length > 0.0) {
             normal /= length;
         } else {
@@ -23,4 +22,4 @@ Points vertex_normals(const Points& positions, const Triangles& triangles) {
     return normals;
 }
 
-}  // namespace cloth::pipeline
+}  // namespace cloth
