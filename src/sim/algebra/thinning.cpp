@@ -7,6 +7,17 @@
 #include "base/parallel.h"
 
 namespace cloth {
+namespace {
+
+/// ±1 for a symmetric B that is positive or negative definite, else 0.
+double definite(const Mat3& B) {
+    if (!((B - B.transpose()).cwiseAbs().maxCoeff() <= 1e-14 * B.cwiseAbs().maxCoeff())) return 0.0;
+    const double sign = B(0, 0) > 0.0 ? 1.0 : -1.0;
+    const double first = sign * B(0, 0), second = B(0, 0) * B(1, 1) - B(0, 1) * B(0, 1);
+    return first > 0.0 && second > 0.0 && sign * B.determinant() > 0.0 ? sign : 0.0;
+}
+
+}  // namespace
 
 Thinning::Thinning(const BlockPattern& from, const BlockPattern& to) {
     const int n = from.vertex_count();
@@ -37,18 +48,6 @@ Thinning::Thinning(const BlockPattern& from, const BlockPattern& to) {
     on_row_.resize(far_.size());
     on_column_.resize(far_.size());
 }
-
-namespace {
-
-/// ±1 for a symmetric B that is positive or negative definite, else 0.
-double definite(const Mat3& B) {
-    if (!((B - B.transpose()).cwiseAbs().maxCoeff() <= 1e-14 * B.cwiseAbs().maxCoeff())) return 0.0;
-    const double sign = B(0, 0) > 0.0 ? 1.0 : -1.0;
-    const double first = sign * B(0, 0), second = B(0, 0) * B(1, 1) - B(0, 1) * B(0, 1);
-    return first > 0.0 && second > 0.0 && sign * B.determinant() > 0.0 ? sign : 0.0;
-}
-
-}  // namespace
 
 void Thinning::apply(const BlockMatrix& A, BlockMatrix& P) {
     P.blocks.resize(source_.size());

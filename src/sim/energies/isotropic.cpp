@@ -164,7 +164,11 @@ IsotropicEnergy<Law>::IsotropicEnergy(std::string_view name, std::vector<std::ar
 
 template <class Law>
 bool IsotropicEnergy<Law>::idle(const VecX& x, int t) const {
-    return laws_[t].idle(greatest_squared(deformation(rest_[t], elements_.gather(x, t))));
+    if constexpr (requires { laws_[t].idle(0.0); }) {
+        return laws_[t].idle(greatest_squared(deformation(rest_[t], elements_.gather(x, t))));
+    } else {
+        return false;
+    }
 }
 
 template <class Law>

@@ -30,8 +30,6 @@ struct NeoHookean {
     double mu, lambda;  ///< [Pa]
     double value(double s0, double s1) const;
     StretchDerivatives derivatives(double s0, double s1) const;
-    /// Whether ψ and its derivatives are 0 for certain where no stretch's square is above this.
-    bool idle(double /*greatest_squared*/) const { return false; }
 };
 
 /// Barrier that keeps both stretches below `limit`: ψ = k w² Σ b((s_i - ŝ)/w), b(y) = y³/(1-y) for 0 < y < 1,
@@ -42,6 +40,7 @@ struct StrainLimit {
     double limit;      ///< greatest stretch, above 1
     double value(double s0, double s1) const;
     StretchDerivatives derivatives(double s0, double s1) const;
+    /// Whether ψ and its derivatives are 0 for certain where no stretch's square is above this.
     bool idle(double greatest_squared) const;
 };
 

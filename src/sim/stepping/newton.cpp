@@ -41,15 +41,15 @@ class Minimization {
             return false;
         }
         double value = objective(x);
-        for (const bool falls : {true, false}) {
+        const auto guess_improves = [&](bool falls) {
             make_first_guess(x, falls);
-            if (const double guess = objective(w_.trial); guess < value) {
-                x = w_.trial;
-                value = guess;
-                break;
-            }
-            if (!barrier_) break;
-        }
+            const double guess = objective(w_.trial);
+            if (!(guess < value)) return false;
+            x = w_.trial;
+            value = guess;
+            return true;
+        };
+        if (!guess_improves(true) && barrier_) guess_improves(false);
         double norm = gradient(x);
         const double extent = x.cwiseAbs().maxCoeff();
         bool converged = rule_.converged(norm);
@@ -183,7 +183,7 @@ class Minimization {
         return greatest;
     }
 
-    /// Where inertia and, among barriers, gravity would take x, with the pins where they go.
+    /// Where inertia and, where it `falls`, gravity would take x, with the pins where they go.
     VecX way_to_guess(const VecX& x, bool falls) const {
         VecX way = p_.y - x;
         const Vec3 fall = h2_ * p_.model.scene.simulation.gravity;
@@ -192,7 +192,7 @@ class Minimization {
         return way;
     }
 
-    /// Leaves it in trial.
+    /// Leaves it in trial; without barriers it is y, whether it falls or not.
     void make_first_guess(const VecX& x, bool falls) {
         if (!barrier_) {
             w_.trial = p_.y;

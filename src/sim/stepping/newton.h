@@ -8,7 +8,8 @@
 // 1. Placing: pins and colliders go to where they are at the stage's end, by the first guess where the way
 //    there is free, else together with what the cloth's stiffness and the contacts make of their way, as far
 //    as is free at a time.
-// 2. First guess: y; among barriers y and gravity's fall, each vertex stopped where it would meet something.
+// 2. First guess: y; among barriers y and gravity's fall, else y alone, each vertex stopped where it would
+//    meet something.
 // 3. Newton steps. Near the minimum by as large a share of the exact Hessian as leaves M + h² H positive
 //    definite: near a bifurcation (a sheet about to buckle) a full projection hides the soft direction, and
 //    always projecting costs the quadratic convergence. Each step is shortened to what continuous collision
