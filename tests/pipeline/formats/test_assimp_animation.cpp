@@ -46,7 +46,7 @@ void write_arm(const fs::path& file, bool bound, bool animated = true) {
     accessors[0]["min"] = {0, 0, 0};
     accessors[0]["max"] = {2, 0, 1};
     std::string corners, joints;
-    for (const std::uint16_t corner : {0, 1, 2, 1, 3, 2}) put(corners, corner);
+    for (const int corner : {0, 1, 2, 1, 3, 2}) put(corners, static_cast<std::uint16_t>(corner));
     for (const int joint : {0, 0, 0, 1})
         for (const int j : {joint, 0, 0, 0}) joints.push_back(static_cast<char>(j));
     add(corners, 5123, 6, "SCALAR");
