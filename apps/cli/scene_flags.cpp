@@ -116,6 +116,16 @@ pipeline::SceneFile KeyFlags::load(const std::string& name_or_path) const {
     return pipeline::load_scene(name_or_path, list);
 }
 
+pipeline::SceneFile KeyFlags::load_run(const std::filesystem::path& out) const {
+    Overrides list = redraw_overrides();
+    const std::int64_t frames = pipeline::RunFolder::open(out).read_manifest().frames;
+    if (frames_.empty())
+        list.insert(list.begin(), fmt::format("output.frames={}", frames));
+    else
+        list.push_back({"output.frames=" + frames_, "--frames " + frames_});
+    return pipeline::load_run_scene(out, list);
+}
+
 std::optional<pipeline::FrameSpan> KeyFlags::span() const {
     if (frames_.empty()) return std::nullopt;
     pipeline::FrameSpan span;

@@ -28,6 +28,8 @@ class KeyFlags {
     /// The scene to be simulated. --fps sets the movie's rate. In a scene without a playback rate of its own
     /// time runs true, and it keeps doing so: the simulation makes as many frames per second.
     pipeline::SceneFile load(const std::string& name_or_path) const;
+    /// The same of a kept run's folder; as many frames as that has, where --frames does not say.
+    pipeline::SceneFile load_run(const std::filesystem::path& out) const;
     /// --frames A:B, where it is given. Throws Error(usage).
     std::optional<pipeline::FrameSpan> span() const;
 

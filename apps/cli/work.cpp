@@ -34,11 +34,17 @@ std::string clock_text(double seconds) {
 
 /// What was made, how long each stage took, where it lies.
 std::string last_line(const RunSummary& summary, const std::filesystem::path& out) {
+    const bool nothing = summary.states + summary.images == 0 &&
+                         (summary.movie.empty() || summary.kept_movie) && summary.kept_states > 0;
+    if (nothing)
+        return fmt::format("{}: nothing to do, all of {} is kept (wall {:.1f} s): {}", summary.scene,
+                           plural(summary.frames, "frame"), summary.times.wall, out.string());
     std::string made = summary.states > 0 ? plural(summary.states, "frame") : std::string();
+    if (summary.states > 0 && summary.kept_states > 0) made += fmt::format(" after {}", summary.kept_states);
     if (summary.images > 0)
         made += fmt::format("{}{} of {}x{}", made.empty() ? "" : ", ", plural(summary.images, "picture"),
                             summary.width, summary.height);
-    if (!summary.movie.empty())
+    if (!summary.movie.empty() && !summary.kept_movie)
         made += fmt::format("{}a movie at {:g} frames/s", made.empty() ? "" : ", ", summary.playback_rate);
     std::string stages;
     const auto stage = [&](const char* name, double seconds) {
@@ -118,6 +124,11 @@ void WorkFlags::add(Flags& flags) {
     flags.yes("--no-video", no_video, "Pictures only, no MP4");
 }
 
+void WorkFlags::add_reuse(Flags& flags) {
+    flags.yes("--fresh", fresh, "Start over: use nothing that the folder holds");
+    flags.yes("--explain", explain, "Say what would be reused, what made, and why; do nothing");
+}
+
 render::GlLibrary WorkFlags::gl_library() const {
     return gl_libraries.at(gl);
 }
@@ -129,6 +140,11 @@ Watch::Watch(const WorkFlags& flags, bool pictures, OnSignal on_signal)
     options_.movie = pictures && !flags.no_video;
     options_.threads = flags.threads;
     options_.gl = flags.gl_library();
+    options_.fresh = flags.fresh;
+    options_.tell = [this](const std::string& line) {
+        line_->clear();
+        tell("render_cloth: note: " + one_line(line) + "\n");
+    };
     if (!flags.quiet) options_.progress = [this](const Progress& progress) { line_->show(progress); };
 }
 
@@ -136,15 +152,17 @@ Watch::~Watch() = default;
 
 void conclude(const RunSummary& summary, const std::filesystem::path& out) {
     if (summary.interrupted) {
+        const std::int64_t states = summary.kept_states + summary.states,
+                           images = summary.kept_images + summary.images;
         std::string line =
-            summary.states > 0
-                ? fmt::format("interrupted: {} and {} of {} are kept in {}", plural(summary.states, "state"),
-                              plural(summary.images, "picture"), summary.frames, out.string())
-                : fmt::format("interrupted: {} drawn of {} are kept in {}", plural(summary.images, "picture"),
-                              summary.frames, out.string());
-        if (!summary.encoder.empty() && std::max(summary.states, summary.images) > 0)
+            states > 0 ? fmt::format("interrupted: {} and {} of {} are kept in {}", plural(states, "state"),
+                                     plural(images, "picture"), summary.frames, out.string())
+                       : fmt::format("interrupted: {} drawn of {} are kept in {}",
+                                     plural(summary.images, "picture"), summary.frames, out.string());
+        if (!summary.encoder.empty() && std::max(states, images) > 0)
             line += fmt::format("; a movie of them: render_cloth {} --out {}",
-                                summary.images == summary.states ? "encode" : "render", out.string());
+                                images == states ? "encode" : "render", out.string());
+        if (states > 0) line += "; the same command again continues";
         throw pipeline::Error(ExitCode::interrupted, line);
     }
     fmt::print("{}\n", last_line(summary, out));
@@ -153,7 +171,13 @@ void conclude(const RunSummary& summary, const std::filesystem::path& out) {
 std::filesystem::path run_scene(const SceneFlags& scene, const WorkFlags& flags, bool pictures) {
     const pipeline::SceneFile file = scene.load();
     const std::filesystem::path out = scene.folder(file);
-    conclude(pipeline::run_scene(file, out, Watch(flags, pictures, OnSignal::finish).options()), out);
+    const Watch watch(flags, pictures, flags.explain ? OnSignal::end : OnSignal::finish);
+    if (flags.explain) {
+        for (const std::string& line : pipeline::explain_run(file, out, watch.options()))
+            fmt::print("{}\n", one_line(line));
+        return out;
+    }
+    conclude(pipeline::run_scene(file, out, watch.options()), out);
     return out;
 }
 

@@ -19,11 +19,13 @@ struct WorkFlags {
     int threads = 0;  ///< 0: all cores
     std::string gl = "auto";
     bool quiet = false, no_video = false;
+    bool fresh = false, explain = false;
 
     void add_threads(Flags& flags);
     void add_gl(Flags& flags);
     /// Both, and --quiet and --no-video.
     void add(Flags& flags);
+    void add_reuse(Flags& flags);  ///< --fresh and --explain
 
     render::GlLibrary gl_library() const;
 };

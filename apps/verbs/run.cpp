@@ -13,6 +13,7 @@ struct Values {
 void add(cli::Flags& flags, Values& values) {
     values.scene.add(flags);
     values.work.add(flags);
+    values.work.add_reuse(flags);
     values.scene.keys.add_annotation(flags);
 }
 

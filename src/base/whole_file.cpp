@@ -129,6 +129,11 @@ void PartFile::write(std::string_view bytes) {
     if (const int cause = close_of(file)) fail_to_write(target_, cause);
 }
 
+void PartFile::sync() const {
+    const Open file{::open(part().c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC)};
+    if (file.number < 0 || ::fdatasync(file.number) != 0) fail_to_write(target_, errno);
+}
+
 void PartFile::finish() {
     if (!stream_) {
         is_stream(target_);  // once more: something may have come there since
@@ -155,10 +160,25 @@ std::string target_of_part(const std::string& name) {
     return numbered ? target.substr(0, dot) : target;
 }
 
-void write_whole_file(const fs::path& path, std::string_view bytes) {
+void write_whole_file(const fs::path& path, std::string_view bytes, Sync sync) {
     PartFile file(path);
     file.write(bytes);
+    if (sync == Sync::yes) file.sync();
     file.finish();
+}
+
+LineFile::LineFile(const fs::path& path)
+    : path_(path), file_(::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666)) {
+    if (file_ < 0) fail_to_write(path_, errno);
+}
+
+LineFile::~LineFile() {
+    ::close(file_);
+}
+
+void LineFile::add(const std::string& line, Sync sync) {
+    if (const int cause = write_all(file_, line + "\n")) fail_to_write(path_, cause);
+    if (sync == Sync::yes && ::fdatasync(file_) != 0) fail_to_write(path_, errno);
 }
 
 // ---------------------------------------------------------------- in

@@ -43,6 +43,9 @@ class PartFile {
     /// Where the bytes are until finish(): an empty file at first, for others to fill.
     const std::filesystem::path& part() const { return part_.path(); }
     void write(std::string_view bytes);
+    /// Until the bytes written so far are on the disk itself, so that no power cut leaves a cut file under
+    /// the name that finish() gives.
+    void sync() const;
     void finish();
 
   private:
@@ -55,8 +58,27 @@ class PartFile {
 /// parts.
 std::string target_of_part(const std::string& name);
 
+/// Whether the disk has a file's bytes before it has its name.
+enum class Sync { no, yes };
+
 /// A PartFile with `bytes`, finished.
-void write_whole_file(const std::filesystem::path& path, std::string_view bytes);
+void write_whole_file(const std::filesystem::path& path, std::string_view bytes, Sync sync = Sync::no);
+
+/// Lines at the end of a file, which is made where it is missing. Whole lines, unless the program is killed
+/// or the disk is full: then the last may be cut. Throws std::runtime_error naming path and cause.
+class LineFile {
+  public:
+    explicit LineFile(const std::filesystem::path& path);
+    LineFile(const LineFile&) = delete;
+    LineFile& operator=(const LineFile&) = delete;
+    ~LineFile();
+    /// Adds `line` and its end.
+    void add(const std::string& line, Sync sync);
+
+  private:
+    std::filesystem::path path_;
+    int file_ = -1;
+};
 
 /// Throws std::runtime_error naming path and cause: what is no regular file (a pipe or device may never end),
 /// or larger than the memory that is there, is refused.

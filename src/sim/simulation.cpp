@@ -46,6 +46,7 @@ void Simulation::restore(const State& state) {
                                     std::to_string(impl_->model.vertex_count()));
     }
     impl_->state = state;
+    impl_->workspace.newton.indefinite = state.indefinite;
 }
 
 void Simulation::stop_on(const std::atomic<bool>* request) {
@@ -53,7 +54,10 @@ void Simulation::stop_on(const std::atomic<bool>* request) {
 }
 
 StepReport Simulation::step() {
-    return impl_->arena.execute([&] { return advance(impl_->model, impl_->state, impl_->workspace); });
+    const StepReport report =
+        impl_->arena.execute([&] { return advance(impl_->model, impl_->state, impl_->workspace); });
+    impl_->state.indefinite = impl_->workspace.newton.indefinite;
+    return report;
 }
 
 FrameReport Simulation::advance_frame() {

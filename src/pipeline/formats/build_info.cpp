@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "pipeline/formats/source_fingerprints.h"
 #include "pipeline/formats/state_store.h"
 
 namespace cloth::pipeline {
@@ -23,6 +24,14 @@ std::string compiler() {
 std::string build_fingerprint() {
     return fmt::format("{}; {}; Eigen {}.{}.{}; state format {}", compiler(), CLOTH_BUILD_FLAGS,
                        EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, state_format);
+}
+
+std::string physics_sources() {
+    return CLOTH_PHYSICS_SOURCES;
+}
+
+std::string all_sources() {
+    return CLOTH_ALL_SOURCES;
 }
 
 }  // namespace cloth::pipeline

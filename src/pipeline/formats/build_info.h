@@ -15,4 +15,9 @@ std::string compiler();
 /// Eigen and the state's format.
 std::string build_fingerprint();
 
+/// Fingerprints of the source text that decides states, and of all source text: what was made by a program of
+/// another text is not taken for its own.
+std::string physics_sources();
+std::string all_sources();
+
 }  // namespace cloth::pipeline

@@ -15,6 +15,7 @@ enum class ExitCode {
     start_overlap = 5,
     golden_mismatch = 6,
     encoder = 7,
+    broken_promise = 8,
     interrupted = 130,
 };
 

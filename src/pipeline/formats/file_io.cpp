@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "pipeline/formats/error.h"
@@ -25,8 +26,16 @@ auto told(const Action& action) {
 
 }  // namespace
 
-void write_file(const fs::path& path, std::string_view bytes) {
-    told([&] { write_whole_file(path, bytes); });
+void write_file(const fs::path& path, std::string_view bytes, Sync sync) {
+    told([&] { write_whole_file(path, bytes, sync); });
+}
+
+void write_if_changed(const fs::path& path, std::string_view bytes) {
+    std::error_code failure;
+    if (fs::is_regular_file(fs::symlink_status(path, failure)) &&
+        fs::file_size(path, failure) == bytes.size() && !failure && read_file(path) == bytes)
+        return;
+    write_file(path, bytes);
 }
 
 std::string read_file(const fs::path& path) {

@@ -13,7 +13,9 @@
 namespace cloth::pipeline {
 
 /// As write_whole_file(). Throws Error(other) naming path and cause.
-void write_file(const std::filesystem::path& path, std::string_view bytes);
+void write_file(const std::filesystem::path& path, std::string_view bytes, Sync sync = Sync::no);
+/// The same; a file that holds these bytes already is left alone.
+void write_if_changed(const std::filesystem::path& path, std::string_view bytes);
 /// Throws Error(other) naming path and cause.
 std::string read_file(const std::filesystem::path& path);
 

@@ -2,11 +2,15 @@
 // One writer a folder.
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "base/whole_file.h"
 
 namespace cloth::pipeline {
+
+/// This computer's name.
+std::string host_name();
 
 /// The file that stands for the lock, in the folder.
 inline constexpr std::string_view lock_name = "run.lock";

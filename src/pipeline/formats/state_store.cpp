@@ -13,6 +13,7 @@
 
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/formats/fingerprint.h"
 #include "pipeline/formats/raw_bytes.h"
 
 namespace cloth::pipeline {
@@ -154,7 +155,7 @@ void parse(const fs::path& path, std::string_view payload, Read read) {
 
 // ---------------------------------------------------------------- states
 
-void write_state(const State& state, const fs::path& path, Compression compression) {
+std::string state_bytes(const State& state) {
     ByteWriter out;
     out.value(static_cast<std::uint32_t>(state_format));
     out.value(state.step);
@@ -177,7 +178,15 @@ void write_state(const State& state, const fs::path& path, Compression compressi
         for (int i = 0; i < 3; ++i) out.value(drag.grabbed[i]);
     }
     out.doubles(state.rest_folds.data(), static_cast<std::size_t>(state.rest_folds.size()));
-    write_file(path, pack(state_magic, out.bytes, compression));
+    // Later than the rest of the format: most states do without.
+    if (state.indefinite) out.value(std::uint8_t{1});
+    return out.bytes;
+}
+
+std::string write_state(const State& state, const fs::path& path, Compression compression, Sync sync) {
+    const std::string bytes = pack(state_magic, state_bytes(state), compression);
+    write_file(path, bytes, sync);
+    return fingerprint(bytes);
 }
 
 State read_state(const fs::path& path) {
@@ -215,6 +224,7 @@ State read_state(const fs::path& path) {
             for (int i = 0; i < 3; ++i) drag.grabbed[i] = in.value<double>();
         }
         in.doubles(sized(state.rest_folds));
+        if (!in.at_end()) state.indefinite = in.value<std::uint8_t>() != 0;
     });
     if (state.frame < 0 || state.positions.size() != state.velocities.size() ||
         state.positions.size() % 3 != 0)
@@ -247,7 +257,7 @@ void write_topology(const Model& model, const fs::path& path) {
              {cloth.first_vertex, cloth.vertex_count, cloth.first_triangle, cloth.triangle_count})
             out.value(static_cast<std::int32_t>(number));
     }
-    write_file(path, pack(topology_magic, out.bytes, Compression::fast));
+    write_if_changed(path, pack(topology_magic, out.bytes, Compression::fast));
 }
 
 Topology read_topology(const fs::path& path) {

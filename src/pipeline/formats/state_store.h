@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/whole_file.h"
 #include "sim/model.h"
 #include "sim/scene/state.h"
 
@@ -17,11 +18,13 @@ inline constexpr int state_format = 2;
 enum class Compression { fast, small };
 
 /// Doubles as they are, compressed by zstd, checked by a 64-bit xxHash. Written to a temporary name, then
-/// renamed.
-void write_state(const State& state, const std::filesystem::path& path,
-                 Compression compression = Compression::fast);
+/// renamed. Gives the file's fingerprint().
+std::string write_state(const State& state, const std::filesystem::path& path,
+                        Compression compression = Compression::fast, Sync sync = Sync::no);
 /// Throws Error(other) naming the file where it is missing, cut short or damaged.
 State read_state(const std::filesystem::path& path);
+/// All that a state holds, before compression: equal bytes mean equal states.
+std::string state_bytes(const State& state);
 /// xxHash of positions and velocities, 16 hexadecimal digits.
 std::string state_hash(const State& state);
 

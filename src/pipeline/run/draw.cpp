@@ -10,7 +10,7 @@
 namespace cloth::pipeline {
 
 StagesResult draw_run(const DrawnRun& run, RunFacts facts, std::int64_t frames, bool movie,
-                      const Stages::Produce& produce) {
+                      const Stages::Produce& produce, const KeptPictures& kept) {
     const SceneFile& file = run.file;
     PictureMaker pictures(file, run.model, std::move(facts), run.rasterizer,
                           state_reader(run.folder, run.model));
@@ -21,13 +21,18 @@ StagesResult draw_run(const DrawnRun& run, RunFacts facts, std::int64_t frames, 
     }
     return Stages(run.folder, run.options, frames)
         .run(
-            produce, [&](const State& state) { return pictures.draw(state); }, writer ? &*writer : nullptr);
+            produce, [&](const State& state) { return pictures.draw(state); }, writer ? &*writer : nullptr,
+            kept);
 }
 
 Stages::Produce kept_states(StateReader read, std::vector<std::int64_t> frames) {
     return [read = std::move(read), frames = std::move(frames)](Stages& stages, StatesMade& made) {
         for (const std::int64_t frame : frames) {
             if (!stages.going_on()) return;
+            if (stages.has_picture(frame)) {
+                stages.deliver_kept(frame);
+                continue;
+            }
             std::shared_ptr<const State> state;
             {
                 const TimedScope watch(made.store);

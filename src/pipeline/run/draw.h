@@ -25,10 +25,11 @@ struct DrawnRun {
 };
 
 /// Draws each state that `produce` delivers, `frames` in all; into a movie too, where one is wanted.
+/// Pictures that `kept` has are taken from the folder.
 StagesResult draw_run(const DrawnRun& run, RunFacts facts, std::int64_t frames, bool movie,
-                      const Stages::Produce& produce);
+                      const Stages::Produce& produce, const KeptPictures& kept = {});
 
-/// Brings kept states to the stages.
+/// Brings kept states to the stages, where their pictures are not there.
 Stages::Produce kept_states(StateReader read, std::vector<std::int64_t> frames);
 
 /// Before anything is made: names, sizes and rates.

@@ -7,12 +7,14 @@
 #include <cstddef>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <system_error>
 #include <utility>
 
-#include "pipeline/formats/build_info.h"
+#include "base/text.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/formats/fingerprint.h"
 #include "pipeline/formats/mesh_cache_file.h"
 #include "pipeline/formats/obj.h"
 #include "pipeline/formats/state_store.h"
@@ -33,7 +35,7 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
                                const MeshData& mesh) {
         kept[key] = fmt::format("meshes/{}_{:06d}.obj", stem, number);
         fs::create_directories(folder.meshes());
-        write_file(folder.root() / kept[key], obj_text(mesh));
+        write_if_changed(folder.root() / kept[key], obj_text(mesh));
     };
     for (std::size_t c = 0; c < file.scene.cloths.size(); ++c) {
         const ClothDesc& desc = file.scene.cloths[c];
@@ -44,7 +46,9 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
         if (const auto& image = file.cloth_looks.at(c).material.image) {
             kept[key + "texture"] = fmt::format("textures/cloth_{:06d}.png", c);
             fs::create_directories(folder.textures());
-            render::write_png(*image, folder.root() / kept[key + "texture"]);
+            const std::vector<std::uint8_t> png = render::encode_png(*image);
+            write_if_changed(folder.root() / kept[key + "texture"],
+                             {reinterpret_cast<const char*>(png.data()), png.size()});
         }
     }
     for (std::size_t c = 0; c < file.scene.colliders.size(); ++c) {
@@ -56,7 +60,18 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
             write_mesh_cache(*desc.cache, folder.root() / kept[key]);
         }
     }
-    write_file(folder.scene(), file.resolved(kept));
+    write_if_changed(folder.scene(), file.resolved(kept));
+    // Those of another scene.
+    std::set<fs::path> own;
+    for (const auto& [key, name] : kept) own.insert(folder.root() / name);
+    for (const fs::path& each : folder.files()) {
+        const fs::path parent = each.parent_path();
+        if ((parent == folder.meshes() || parent == folder.textures()) && !own.contains(each))
+            folder.remove(each);
+    }
+    std::error_code full;
+    fs::remove(folder.meshes(), full);
+    fs::remove(folder.textures(), full);
 }
 
 /// Whether `path` lies in `folder`, by whatever name or link.
@@ -108,14 +123,43 @@ void require_place(const fs::path& out, const SceneFile& file, const std::string
     for (const auto& [key, name] : file.files) require_outside(name);
 }
 
-RunFolder start_run(const fs::path& out, const SceneFile& file, const Model& model) {
+StartedRun start_run(const fs::path& out, const Wanted& wanted, const RunOptions& options) {
+    const SceneFile& file = wanted.file;
     require_place(out, file);
     RunFolder folder = RunFolder::create(out);
-    folder.clear();
-    folder.write_manifest({file.name, file.output.frames, build_fingerprint()});
+    const auto tell = [&](const std::string& line) {
+        if (options.tell) options.tell(line);
+    };
+    const Manifest manifest{file.name, wanted.frames, maker(), state_format, wanted.trunk.keys};
+    if (options.fresh) {
+        const auto states = std::ssize(folder.states_on_disk()), images = std::ssize(folder.images_on_disk());
+        if (states + images > 0)
+            tell(fmt::format("--fresh: {} and {} in {} replaced", plural(states, "state"),
+                             plural(images, "picture"), out.string()));
+        folder.clear();
+        folder.write_manifest(manifest);
+    }
+    RunPlan plan = plan_run(folder, wanted);
+    for (const std::string& line : plan.warnings) tell(line);
+    const bool complete = plan.outdated.empty() && plan.kept_states() == wanted.frames &&
+                          (!wanted.pictures || plan.kept_pictures() == wanted.frames) &&
+                          (!wanted.movie || plan.has_movie) && folder.has_manifest() &&
+                          folder.read_manifest().frames == wanted.frames;
+    if (!complete) {
+        // The scene goes first: without it nothing is drawn from what is left, if this ends here.
+        if (!plan.outdated.empty()) folder.remove(folder.scene());
+        for (const fs::path& each : plan.outdated) folder.remove(each);
+        for (const fs::path& each : folder.parts()) folder.remove(each);
+        for (const fs::path& each : {folder.report(), folder.certificate(), folder.sheet(), folder.overlap()})
+            folder.remove(each);
+    }
+    folder.write_manifest(manifest);
+    auto ledger = std::make_unique<Ledger>(folder.ledger(), plan.kept);
+    const std::string before = file_fingerprint(folder.scene());
     keep_scene(folder, file);
-    write_topology(model, folder.topology());
-    return folder;
+    write_topology(wanted.model, folder.topology());
+    const bool finished = complete && before == file_fingerprint(folder.scene());
+    return {std::move(folder), std::move(plan), std::move(ledger), finished};
 }
 
 SceneFile load_run_scene(const fs::path& out, const Overrides& overrides) {

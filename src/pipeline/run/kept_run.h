@@ -4,12 +4,15 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/picture/survey.h"
+#include "pipeline/run/plan.h"
 #include "pipeline/run/run_folder.h"
+#include "pipeline/run/run_options.h"
 #include "pipeline/scene_file/scene_file.h"
 #include "sim/model.h"
 
@@ -21,9 +24,17 @@ namespace cloth::pipeline {
 void require_place(const std::filesystem::path& out, const SceneFile& file,
                    const std::string& flag = "--out");
 
-/// The folder `out` without what an earlier run made in it, with manifest, scene and topology of a new one.
-/// Throws as require_place() and RunFolder::create().
-RunFolder start_run(const std::filesystem::path& out, const SceneFile& file, const Model& model);
+/// The folder of a run, held, with what is known to be good in it.
+struct StartedRun {
+    RunFolder folder;
+    RunPlan plan;
+    std::unique_ptr<Ledger> ledger;
+    bool finished = false;  ///< it was found complete, and of this very scene
+};
+/// The folder `out` without what an earlier run made in it that is not what is wanted now (all of it where
+/// `options.fresh`), with manifest, scene and topology. Tells before anything finished goes. Throws as
+/// require_place(), RunFolder::create() and plan_run().
+StartedRun start_run(const std::filesystem::path& out, const Wanted& wanted, const RunOptions& options);
 
 /// The scene whose folder is `out`. Throws Error(other) where it holds no run.
 SceneFile load_run_scene(const std::filesystem::path& out, const Overrides& overrides = {});

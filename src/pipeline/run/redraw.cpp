@@ -7,8 +7,11 @@
 #include "base/memory.h"
 #include "base/stopwatch.h"
 #include "pipeline/formats/error.h"
+#include "pipeline/formats/fingerprint.h"
 #include "pipeline/formats/video.h"
 #include "pipeline/run/draw.h"
+#include "pipeline/run/ledger.h"
+#include "pipeline/run/plan.h"
 #include "pipeline/run/run.h"
 #include "pipeline/scene_file/memory_need.h"
 #include "render/image/image.h"
@@ -47,6 +50,35 @@ void encode_pictures(const KeptRun& run, const std::vector<std::int64_t>& frames
     summary.movie = run.folder.movie(run.file.name);
 }
 
+/// Keys of a kept run's states, by the ledger: that of a frame without one is empty.
+std::vector<std::string> kept_keys(const LedgerEntries& ledger, std::int64_t frames) {
+    std::vector<std::string> keys(static_cast<std::size_t>(frames));
+    for (const auto& [frame, entry] : ledger.states)
+        if (frame < frames) keys[static_cast<std::size_t>(frame)] = entry.key;
+    return keys;
+}
+
+/// Keys of the pictures that this draws. Those that know of a whole run of which a part is there are no
+/// run's.
+std::vector<std::string> drawn_keys(const KeptRun& run, const LedgerEntries& ledger) {
+    if (needs_whole_run(run.file) && std::cmp_less(run.folder.kept_states().size(), run.frames))
+        return std::vector<std::string>(static_cast<std::size_t>(run.frames), "of a part of the run");
+    return picture_keys(run.file, kept_keys(ledger, run.frames), run.frames);
+}
+
+/// The movie's line in the ledger. It has the pictures of all kept frames.
+void keep_movie(const KeptRun& run, const RunSummary& summary) {
+    const LedgerEntries entries = read_ledger(run.folder.ledger());
+    const std::int64_t frames = std::ssize(run.folder.kept_states());
+    std::vector<std::string> pictures(static_cast<std::size_t>(frames));
+    for (const auto& [frame, entry] : entries.pictures)
+        if (frame < frames) pictures[static_cast<std::size_t>(frame)] = entry.key;
+    Ledger(run.folder.ledger(), entries)
+        .add_movie(summary.movie.filename().string(),
+                   {movie_key(run.file, pictures, frames, summary.playback_rate),
+                    file_fingerprint(summary.movie), summary.encoder});
+}
+
 }  // namespace
 
 RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span, const Overrides& overrides,
@@ -65,9 +97,17 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
     // Without a gap from the start, all goes to the encoder while it is drawn; a part joins the pictures that
     // are there.
     const bool whole = frames == run.folder.kept_states() && std::cmp_equal(frames.size(), frames.back() + 1);
+    const LedgerEntries entries = read_ledger(run.folder.ledger());
+    const std::vector<std::string> keys = drawn_keys(run, entries);
+    Ledger ledger(run.folder.ledger(), entries);
+    const KeptPictures pictures{{}, [&](std::int64_t frame, double draw, double png) {
+                                    ledger.add_picture(frame, {keys.at(static_cast<std::size_t>(frame)),
+                                                               file_fingerprint(run.folder.image(frame)),
+                                                               summary.renderer, draw, png});
+                                }};
     const StagesResult drawn =
         draw_run({run.folder, run.file, run.model, rasterizer, options}, std::move(facts), summary.frames,
-                 options.movie && whole, kept_states(state_reader(run.folder, run.model), frames));
+                 options.movie && whole, kept_states(state_reader(run.folder, run.model), frames), pictures);
     if (drawn.failure) std::rethrow_exception(drawn.failure);
     add(summary, drawn, run.folder);
     summary.interrupted = options.stopping() && (summary.images < summary.frames ||
@@ -76,6 +116,7 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
         if (!span || run.folder.kept_images() == run.folder.kept_states())
             encode_pictures(run, movie_frames(run), options, summary);
     }
+    if (!summary.movie.empty()) keep_movie(run, summary);
     amend_report(run.folder, summary);
     return summary;
 }
@@ -88,6 +129,7 @@ RunSummary encode_run(const fs::path& out, const Overrides& overrides, const Run
     RunSummary summary = planned(run.file, static_cast<std::int64_t>(frames.size()));
     summary.encoder = ffmpeg_version(options.stop);
     encode_pictures(run, frames, options, summary);
+    keep_movie(run, summary);
     summary.times.wall = summary.times.encode;
     return summary;
 }

@@ -8,6 +8,7 @@
 #include "pipeline/formats/build_info.h"
 #include "pipeline/formats/file_io.h"
 #include "pipeline/formats/state_store.h"
+#include "pipeline/run/ledger.h"
 
 namespace cloth::pipeline {
 
@@ -43,30 +44,6 @@ Json contact_times_json(const std::vector<FrameRecord>& records) {
     return json;
 }
 
-Json frame_json(const FrameRecord& record) {
-    const FrameReport& report = record.report;
-    Json json = {{"frame", report.frame}, {"steps", report.steps}};
-    StepReport::describe([&](const char* name, auto member, const char* unit, auto) {
-        json[key_of(name, unit)] = value_of(report.*member);
-    });
-    json["largest_penetration_m"] =
-        std::isfinite(report.smallest_gap) ? value_of(std::max(0.0, -report.smallest_gap)) : Json();
-    json["state_hash"] = record.state_hash;
-    return json;
-}
-
-FrameReport frame_report(const Json& json) {
-    FrameReport report;
-    json.at("frame").get_to(report.frame);
-    json.at("steps").get_to(report.steps);
-    StepReport::describe([&](const char* name, auto member, const char* unit, auto) {
-        // null: as a report begins, which is how a gap without anything near is told
-        const auto found = json.find(key_of(name, unit));
-        if (found != json.end() && !found->is_null()) found->get_to(report.*member);
-    });
-    return report;
-}
-
 Json read_json(const RunFolder& folder) {
     try {
         if (Json json = Json::parse(read_file(folder.report())); json.is_object()) return json;
@@ -82,6 +59,41 @@ void write_json(const RunFolder& folder, const Json& json) {
 }
 
 }  // namespace
+
+Json frame_json(const FrameRecord& record) {
+    const FrameReport& report = record.report;
+    Json json = {{"frame", report.frame}, {"steps", report.steps}};
+    StepReport::describe([&](const char* name, auto member, const char* unit, auto) {
+        json[key_of(name, unit)] = value_of(report.*member);
+    });
+    json["largest_penetration_m"] =
+        std::isfinite(report.smallest_gap) ? value_of(std::max(0.0, -report.smallest_gap)) : Json();
+    json["state_hash"] = record.state_hash;
+    json["host"] = record.host;
+    json["seconds"] = {
+        {"simulate", record.simulate}, {"store", record.store}, {"draw", record.draw}, {"png", record.png}};
+    return json;
+}
+
+FrameRecord frame_record(const Json& json) {
+    FrameRecord record;
+    FrameReport& report = record.report;
+    json.at("frame").get_to(report.frame);
+    json.at("steps").get_to(report.steps);
+    StepReport::describe([&](const char* name, auto member, const char* unit, auto) {
+        // null: as a report begins, which is how a gap without anything near is told
+        const auto found = json.find(key_of(name, unit));
+        if (found != json.end() && !found->is_null()) found->get_to(report.*member);
+    });
+    json.at("state_hash").get_to(record.state_hash);
+    json.at("host").get_to(record.host);
+    const Json& seconds = json.at("seconds");
+    seconds.at("simulate").get_to(record.simulate);
+    seconds.at("store").get_to(record.store);
+    seconds.at("draw").get_to(record.draw);
+    seconds.at("png").get_to(record.png);
+    return record;
+}
 
 void write_report(const RunFolder& folder, const SceneFile& file, const Model& model,
                   const RunSummary& summary, const std::string& outcome) {
@@ -101,11 +113,12 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
                             {"steps_per_frame", model.steps_per_frame},
                             {"frame_rate_hz", file.scene.simulation.frame_rate}};
     report["output"] = {{"frames", summary.frames},
-                        {"states", summary.states},
-                        {"images", summary.images},
+                        {"states", summary.kept_states + summary.states},
+                        {"images", summary.kept_images + summary.images},
                         {"size_pixel", {summary.width, summary.height}},
                         {"playback_rate_hz", summary.playback_rate},
                         {"movie", summary.movie.filename().string()}};
+    report["kept"] = {{"states", summary.kept_states}, {"images", summary.kept_images}};
     report["times_s"] = times_json(summary.times);
     if (file.scene.simulation.contact == ContactKind::barrier)
         report["contact_times_s"] = contact_times_json(summary.records);
@@ -129,15 +142,8 @@ void amend_report(const RunFolder& folder, const RunSummary& summary) {
 
 FrameReports read_frame_reports(const RunFolder& folder) {
     FrameReports reports;
-    const Json json = read_json(folder);
-    try {
-        for (const Json& frame : json.at("frames")) {
-            const FrameReport report = frame_report(frame);
-            reports[report.frame] = report;
-        }
-    } catch (const Json::exception&) {
-        reports.clear();
-    }
+    for (const auto& [frame, entry] : read_ledger(folder.ledger()).states)
+        reports[frame] = entry.record.report;
     return reports;
 }
 

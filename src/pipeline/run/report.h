@@ -1,8 +1,9 @@
 #pragma once
-// What a run tells of itself, and report.json, which keeps it: written and read here alone.
+// What a run tells of itself, and report.json, which keeps it.
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ namespace cloth::pipeline {
 struct FrameRecord {
     FrameReport report;
     std::string state_hash;
+    std::string host;                                   ///< that simulated it
+    double simulate = 0, store = 0, draw = 0, png = 0;  ///< time that it took [s]
 };
 
 /// Time that each stage was busy [s]; they overlap, so `wall` is less than their sum.
@@ -27,13 +30,15 @@ struct StageTimes {
 
 struct RunSummary {
     std::string scene;
-    std::int64_t frames = 0;    ///< asked for
-    std::int64_t states = 0;    ///< written
-    std::int64_t images = 0;    ///< written
+    std::int64_t frames = 0;                        ///< asked for
+    std::int64_t states = 0;                        ///< written
+    std::int64_t images = 0;                        ///< written
+    std::int64_t kept_states = 0, kept_images = 0;  ///< of an earlier run, and still good
+    bool kept_movie = false;
     int width = 0, height = 0;  ///< of the pictures [pixel]; 0 without
     double playback_rate = 0;   ///< [1/s]
     bool interrupted = false;
-    std::vector<FrameRecord> records;
+    std::vector<FrameRecord> records;  ///< of all states that are there, kept ones too
     StageTimes times;
     std::string renderer, encoder;  ///< versions; empty where not used
     std::filesystem::path movie;    ///< empty where none was made
@@ -46,8 +51,12 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
 /// Redrawing adds to the report of the simulation, under "redrawn".
 void amend_report(const RunFolder& folder, const RunSummary& summary);
 
-/// What report.json tells of its frames; nothing where there is none that can be read: a run that was killed
-/// has none.
+/// One frame as report.json, certificate.json and the ledger have it: every counter, its unit in the name.
+nlohmann::ordered_json frame_json(const FrameRecord& record);
+/// And read again. Throws std::exception where it is none.
+FrameRecord frame_record(const nlohmann::ordered_json& json);
+
+/// What the ledger tells of the frames; nothing where there is none that can be read.
 FrameReports read_frame_reports(const RunFolder& folder);
 
 }  // namespace cloth::pipeline

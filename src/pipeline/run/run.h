@@ -16,12 +16,26 @@
 
 namespace cloth::pipeline {
 
-/// Runs `file` for its output.frames frames into the folder `out`, in place of the run that it may hold, and
-/// leaves a report there. What can be refused is refused before anything there is touched: a folder that is
-/// no place for it (require_place()), SceneError, Error(encoder) without ffmpeg. Throws Error(not_converged)
-/// at the first state with a fault, naming frame, vertex and last good frame, once the good frames are drawn;
-/// Error(encoder) where only the movie failed, once all is drawn.
-RunSummary run_scene(const SceneFile& file, const std::filesystem::path& out, const RunOptions& options);
+struct Branch;
+
+/// Runs `file` for its output.frames frames into the folder `out`, and leaves a report and a certificate
+/// there. What a run there has kept that would become the same bits is used again (plan.h), the rest goes,
+/// and `options.tell` is told before. `branch`: what it goes on from (branch.h). What can be refused is
+/// refused before anything there is touched: a folder that is no place for it (require_place()), SceneError,
+/// Error(encoder) without ffmpeg. Throws Error(not_converged) at the first state with a fault, naming frame,
+/// vertex and last good frame, once the good frames are drawn; Error(encoder) where only the movie failed,
+/// once all is drawn; Error(broken_promise) where all is made and a limit of [expect] does not hold.
+RunSummary run_scene(const SceneFile& file, const std::filesystem::path& out, const RunOptions& options,
+                     const Branch* branch = nullptr);
+
+/// What run_scene() would use again and what it would make, and why: a line each. Changes nothing.
+std::vector<std::string> explain_run(const SceneFile& file, const std::filesystem::path& out,
+                                     const RunOptions& options);
+
+/// Goes on from frame `from` of the run in `source` as `file`, its scene with other keys, in the folder
+/// `out`. What both have in common is shared, not copied. Throws as branch_of() and run_scene().
+RunSummary resume_run(const std::filesystem::path& source, std::int64_t from, const SceneFile& file,
+                      const std::filesystem::path& out, const RunOptions& options);
 
 /// Draws the kept states of the run in `out`, and makes the movie where the pictures of all of them are there
 /// in the end. Throws Error(other) where a state between them is missing. `overrides` change the scene that

@@ -97,7 +97,14 @@ Manifest manifest_in(const fs::path& folder) {
     if (!json["format"].is_number_integer() || json["format"] < 1 || json["format"] > 1000)
         throw damaged("format must be a whole number");
     if (!json["build"].is_string()) throw damaged("build must be a text");
-    return {json["scene"], json["frames"], json["build"], json["format"]};
+    Manifest manifest{json["scene"], json["frames"], json["build"], json["format"], {}};
+    if (json.contains("trunk")) {
+        for (const nlohmann::json& key : json["trunk"]) {
+            if (!key.is_string()) throw damaged("trunk must be a list of keys");
+            manifest.trunk.push_back(key);
+        }
+    }
+    return manifest;
 }
 
 }  // namespace
@@ -161,29 +168,49 @@ fs::path RunFolder::image(std::int64_t frame) const {
 }
 
 void RunFolder::write_manifest(const Manifest& manifest) const {
-    const nlohmann::ordered_json json = {{"format", state_format},
-                                         {"scene", manifest.scene},
-                                         {"frames", manifest.frames},
-                                         {"build", manifest.build}};
-    write_file(manifest_of(root_), json.dump(2) + "\n");
+    nlohmann::ordered_json json = {{"format", state_format},
+                                   {"scene", manifest.scene},
+                                   {"frames", manifest.frames},
+                                   {"build", manifest.build}};
+    if (!manifest.trunk.empty()) json["trunk"] = manifest.trunk;
+    write_if_changed(manifest_of(root_), json.dump(2) + "\n");
 }
 
 Manifest RunFolder::read_manifest() const {
     return manifest_in(root_);
 }
 
-std::vector<std::int64_t> RunFolder::kept_states() const {
+bool RunFolder::has_manifest() const {
+    std::error_code missing;
+    return fs::exists(manifest_of(root_), missing);
+}
+
+std::vector<std::int64_t> RunFolder::states_on_disk() const {
     return frames_in(root_ / "states", "state", ".bin");
 }
-std::vector<std::int64_t> RunFolder::kept_images() const {
+std::vector<std::int64_t> RunFolder::images_on_disk() const {
     return frames_in(root_ / "frames", "frame", ".png");
 }
 
-void RunFolder::clear() const {
+std::vector<std::int64_t> RunFolder::kept_states() const {
+    return of_the_run(states_on_disk());
+}
+std::vector<std::int64_t> RunFolder::kept_images() const {
+    return of_the_run(images_on_disk());
+}
+
+std::vector<std::int64_t> RunFolder::of_the_run(std::vector<std::int64_t> frames) const {
+    if (has_manifest()) {
+        const std::int64_t end = read_manifest().frames;
+        std::erase_if(frames, [end](std::int64_t frame) { return frame >= end; });
+    }
+    return frames;
+}
+
+std::vector<fs::path> RunFolder::files() const {
     std::error_code failure;
     std::string movie_name;
-    if (fs::exists(manifest_of(root_), failure))
-        movie_name = movie(read_manifest().scene).filename().string();
+    if (has_manifest()) movie_name = movie(read_manifest().scene).filename().string();
     struct Part {
         fs::path folder;
         std::vector<std::string> names;                                     ///< as they are
@@ -191,12 +218,16 @@ void RunFolder::clear() const {
     };
     // The scene goes first: without it there is nothing to be drawn again from what is left.
     const Part parts[] = {
-        {root_, {"scene.toml", "report.json", "sheet.png", "overlap.png", movie_name}, {}},
+        {root_,
+         {"scene.toml", "report.json", "certificate.json", "ledger.jsonl", "sheet.png", "overlap.png",
+          movie_name},
+         {}},
         {root_ / "states", {"topology.bin"}, {{"state", ".bin"}}},
         {root_ / "frames", {}, {{"frame", ".png"}}},
         {meshes(), {}, {{"rest", ".obj"}, {"pose", ".obj"}, {"collider", ".obj"}}},
         {textures(), {}, {{"cloth", ".png"}}},
     };
+    std::vector<fs::path> all;
     for (const Part& part : parts) {
         const auto is_ours = [&](const std::string& name) {
             if (name.empty()) return false;
@@ -214,12 +245,28 @@ void RunFolder::clear() const {
         std::sort(ours.begin(), ours.end(), [&](const fs::path& a, const fs::path& b) {
             return std::pair(a != scene(), a) < std::pair(b != scene(), b);
         });
-        for (const fs::path& file : ours) {
-            if (!fs::is_directory(fs::symlink_status(file, failure))) fs::remove(file, failure);
-            if (failure)
-                throw Error(ExitCode::other, "cannot remove " + file.string() + ": " + failure.message());
-        }
+        all.insert(all.end(), ours.begin(), ours.end());
     }
+    return all;
+}
+
+std::vector<fs::path> RunFolder::parts() const {
+    std::vector<fs::path> left = files();
+    std::erase_if(left,
+                  [](const fs::path& file) { return target_of_part(file.filename().string()).empty(); });
+    return left;
+}
+
+void RunFolder::remove(const fs::path& file) const {
+    std::error_code failure;
+    if (!fs::is_directory(fs::symlink_status(file, failure))) fs::remove(file, failure);
+    if (failure && failure != std::errc::no_such_file_or_directory)
+        throw Error(ExitCode::other, "cannot remove " + file.string() + ": " + failure.message());
+}
+
+void RunFolder::clear() const {
+    for (const fs::path& file : files()) remove(file);
+    std::error_code failure;
     fs::remove(meshes(), failure);  // fails, rightly, where something else lies in it
     fs::remove(textures(), failure);
 }

@@ -15,10 +15,11 @@ namespace cloth::pipeline {
 
 /// Facts about a run that its scene file does not tell.
 struct Manifest {
-    std::string scene;        ///< the scene's name
-    std::int64_t frames = 0;  ///< frames asked for
-    std::string build;        ///< fingerprint of the program that simulated
-    int format = 0;           ///< of the states, as state_format; written by write_manifest()
+    std::string scene;               ///< the scene's name
+    std::int64_t frames = 0;         ///< frames asked for
+    std::string build;               ///< fingerprint of the program that simulated
+    int format = 0;                  ///< of the states, as state_format; written by write_manifest()
+    std::vector<std::string> trunk;  ///< of a branch: keys of the states up to its beginning (fingerprints.h)
 };
 
 /// Stands in pages and plots, so that their folder is known for one of this program's.
@@ -30,7 +31,8 @@ void require_own_folder(const std::filesystem::path& folder, const std::string& 
 
 /// states/manifest.json is the first file of a run and stays until the next run's takes its place: a folder
 /// with it is a run's. DIR/scene.toml, DIR/meshes/…, DIR/textures/…, DIR/states/state_000000.bin …,
-/// DIR/frames/frame_000000.png …, DIR/NAME.mp4, DIR/report.json, DIR/sheet.png.
+/// DIR/frames/frame_000000.png …, DIR/NAME.mp4, DIR/report.json, DIR/certificate.json, DIR/ledger.jsonl,
+/// DIR/sheet.png.
 class RunFolder {
   public:
     /// For writing, and locked for as long as any copy lives. Throws Error(usage) as require_own_folder(),
@@ -38,12 +40,16 @@ class RunFolder {
     static RunFolder create(const std::filesystem::path& folder);
     /// Throws Error(other) where it holds no run.
     static RunFolder open(const std::filesystem::path& folder);
+    /// For reading, whatever is there.
+    static RunFolder look(const std::filesystem::path& folder) { return RunFolder(folder); }
 
     std::filesystem::path root() const { return root_; }
     std::filesystem::path scene() const { return root_ / "scene.toml"; }
     std::filesystem::path meshes() const { return root_ / "meshes"; }
     std::filesystem::path textures() const { return root_ / "textures"; }
     std::filesystem::path report() const { return root_ / "report.json"; }
+    std::filesystem::path certificate() const { return root_ / "certificate.json"; }
+    std::filesystem::path ledger() const { return root_ / "ledger.jsonl"; }
     std::filesystem::path topology() const { return root_ / "states" / "topology.bin"; }
     std::filesystem::path sheet() const { return root_ / "sheet.png"; }  ///< contact sheet
     /// Picture of what overlaps at the start.
@@ -55,14 +61,25 @@ class RunFolder {
     void write_manifest(const Manifest& manifest) const;
     /// Throws Error(other) where it is missing, or says what cannot be.
     Manifest read_manifest() const;
-    /// Frames whose state is kept, sorted.
+    bool has_manifest() const;
+    /// Frames of the run whose state is kept, sorted.
     std::vector<std::int64_t> kept_states() const;
-    /// Frames whose picture is kept, sorted.
+    /// Frames of the run whose picture is kept, sorted.
     std::vector<std::int64_t> kept_images() const;
-    /// Removes what an earlier run made but its manifest, and nothing else.
+    /// The same with what a longer run has left.
+    std::vector<std::int64_t> states_on_disk() const;
+    std::vector<std::int64_t> images_on_disk() const;
+    /// Unfinished files that a killed program left.
+    std::vector<std::filesystem::path> parts() const;
+    /// All that runs make here but the manifest, the scene first.
+    std::vector<std::filesystem::path> files() const;
+    /// One of files(). Throws Error(other).
+    void remove(const std::filesystem::path& file) const;
+    /// Removes files(), and nothing else.
     void clear() const;
 
   private:
+    std::vector<std::int64_t> of_the_run(std::vector<std::int64_t> frames) const;
     explicit RunFolder(std::filesystem::path root) : root_(std::move(root)) {}
     std::filesystem::path root_;
     std::shared_ptr<const FolderLock> lock_;

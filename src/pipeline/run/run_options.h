@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include "render/gl/gl_library.h"
 
@@ -22,6 +23,9 @@ struct RunOptions {
     render::GlLibrary gl = render::GlLibrary::automatic;  ///< what draws
     /// Called after each frame of each stage, by one thread at a time.
     std::function<void(const Progress&)> progress;
+    bool fresh = false;  ///< nothing that is kept is used again
+    /// Told what a user is to know before it happens: what is damaged, what finished things are replaced.
+    std::function<void(const std::string& line)> tell;
     /// Looked at between frames, within steps, and while FFmpeg is waited for: true ends the run, every
     /// finished frame kept.
     const std::atomic<bool>* stop = nullptr;

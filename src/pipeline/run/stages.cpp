@@ -12,8 +12,10 @@ namespace cloth::pipeline {
 void add(RunSummary& summary, const StagesResult& result, const RunFolder& folder) {
     const std::vector<FrameRecord>& records = result.states.records;
     summary.records.insert(summary.records.end(), records.begin(), records.end());
-    summary.states += static_cast<std::int64_t>(records.size());
+    summary.states += static_cast<std::int64_t>(records.size()) - result.states.kept;
+    summary.kept_states += result.states.kept;
     summary.images += result.written.images;
+    summary.kept_images += result.drawn.kept;
     if (result.encoded.finished) summary.movie = folder.movie(summary.scene);
     summary.times.simulate += result.states.simulate;
     summary.times.store += result.states.store;
@@ -32,10 +34,12 @@ Stages::Stages(const RunFolder& folder, const RunOptions& options, std::int64_t 
     progress_.frames = frames;
 }
 
-StagesResult Stages::run(const Produce& produce, const Draw& draw, VideoWriter* movie) {
+StagesResult Stages::run(const Produce& produce, const Draw& draw, VideoWriter* movie,
+                         const KeptPictures& kept) {
     const Stopwatch wall;
     StagesResult result;
     drawing_ = static_cast<bool>(draw);
+    kept_ = kept;
     std::thread producer, png_writer, encoder;
     try {
         if (draw) png_writer = std::thread([&] { result.written = write_pictures(); });
@@ -61,7 +65,13 @@ bool Stages::going_on() const {
 }
 
 void Stages::deliver(std::shared_ptr<const State> state) {
-    if (drawing_) states_.push(std::move(state));
+    if (!drawing_) return;
+    const std::int64_t frame = state->frame;
+    states_.push({frame, std::move(state)});
+}
+
+void Stages::deliver_kept(std::int64_t frame) {
+    if (drawing_) states_.push({frame, nullptr});
 }
 
 void Stages::step(std::int64_t Progress::*stage) {
@@ -93,21 +103,33 @@ void Stages::guarded(Work work) {
 StatesMade Stages::produce_states(const Produce& produce) {
     StatesMade made;
     guarded([&] { produce(*this, made); });
-    deliver(nullptr);
+    if (drawing_) states_.push({});
     return made;
 }
 
 PicturesDrawn Stages::draw_states(const Draw& draw, bool to_movie) {
     PicturesDrawn drawn;
-    std::shared_ptr<const State> state;
-    for (states_.pop(state); state; states_.pop(state)) {
+    Delivered next;
+    for (states_.pop(next); next.frame >= 0; states_.pop(next)) {
         if (!going_on()) continue;
         guarded([&] {
-            Picture picture{state->frame, nullptr};
-            {
-                const TimedScope watch(drawn.seconds);
-                picture.image = std::make_shared<const render::Image>(draw(*state));
+            Picture picture{next.frame, nullptr};
+            if (!next.state) {
+                ++drawn.kept;
+                if (to_movie) {
+                    picture.image =
+                        std::make_shared<const render::Image>(render::read_png(folder_.image(next.frame)));
+                    to_movie_.push(picture);
+                }
+                step(&Progress::drawn);
+                step(&Progress::written);
+                return;
             }
+            {
+                const TimedScope watch(picture.seconds);
+                picture.image = std::make_shared<const render::Image>(draw(*next.state));
+            }
+            drawn.seconds += picture.seconds;
             step(&Progress::drawn);
             to_png_.push(picture);
             if (to_movie) to_movie_.push(picture);
@@ -124,10 +146,13 @@ PicturesWritten Stages::write_pictures() {
     for (to_png_.pop(picture); picture.image; to_png_.pop(picture)) {
         if (failed_) continue;
         guarded([&] {
+            double seconds = 0;
             {
-                const TimedScope watch(written.seconds);
+                const TimedScope watch(seconds);
                 render::write_png(*picture.image, folder_.image(picture.frame));
             }
+            written.seconds += seconds;
+            if (kept_.written) kept_.written(picture.frame, picture.seconds, seconds);
             ++written.images;
             step(&Progress::written);
         });

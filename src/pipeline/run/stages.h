@@ -25,10 +25,12 @@ namespace cloth::pipeline {
 
 /// What each stage did, with the time that it was busy [s].
 struct StatesMade {
-    std::vector<FrameRecord> records;  ///< of the states that were simulated and written
+    std::vector<FrameRecord> records;  ///< of the states that were simulated and written, and of
+    std::int64_t kept = 0;             ///< those that were there
     double simulate = 0, store = 0;
 };
 struct PicturesDrawn {
+    std::int64_t kept = 0;  ///< that were there
     double seconds = 0;
 };
 struct PicturesWritten {
@@ -51,6 +53,13 @@ struct StagesResult {
 /// Adds what stages made to the run's, one after the other where they ran more than once.
 void add(RunSummary& summary, const StagesResult& result, const RunFolder& folder);
 
+/// Pictures that are there and need not be drawn, and who is told of new ones.
+struct KeptPictures {
+    std::function<bool(std::int64_t frame)> has;
+    /// Once it has its name; `draw`, `png`: time that it took [s].
+    std::function<void(std::int64_t frame, double draw, double png)> written;
+};
+
 class Stages {
   public:
     using Produce = std::function<void(Stages&, StatesMade&)>;
@@ -62,21 +71,31 @@ class Stages {
     /// `produce` delivers states in order of frames; `draw` may be empty: then that is all. The caller's
     /// thread draws (a GL context belongs to one thread); one thread each produces, writes PNGs, and feeds
     /// the `movie`, if any.
-    StagesResult run(const Produce& produce, const Draw& draw, VideoWriter* movie);
+    StagesResult run(const Produce& produce, const Draw& draw, VideoWriter* movie,
+                     const KeptPictures& kept = {});
 
     // ---- for `produce`
     /// False: the caller wants to stop, or something failed after which nothing more is worth doing.
     bool going_on() const;
     /// Hands a state to the stage that draws, which may be some frames behind.
     void deliver(std::shared_ptr<const State> state);
+    /// In its place, where has_picture(): the picture that is there.
+    void deliver_kept(std::int64_t frame);
+    /// Whether the picture of a frame is there.
+    bool has_picture(std::int64_t frame) const { return !drawing_ || (kept_.has && kept_.has(frame)); }
     void step(std::int64_t Progress::*stage);
     /// A failure that lets the other stages finish. What is thrown lets no one.
     void fail_later(std::exception_ptr failure);
 
   private:
+    struct Delivered {
+        std::int64_t frame = -1;             ///< -1: the last has been
+        std::shared_ptr<const State> state;  ///< null: its picture is there
+    };
     struct Picture {
         std::int64_t frame = 0;
         std::shared_ptr<const render::Image> image;
+        double seconds = 0;  ///< that drawing took
     };
     /// A fast stage waits for a slow one instead of filling the memory. An empty entry is the last; whoever
     /// takes from a queue does so up to there, whatever fails, and so nobody waits for ever to put something
@@ -100,7 +119,8 @@ class Stages {
     std::exception_ptr failure_, late_failure_;
     std::atomic<bool> failed_ = false;
     bool drawing_ = false;
-    Queue<std::shared_ptr<const State>> states_;
+    KeptPictures kept_;
+    Queue<Delivered> states_;
     Queue<Picture> to_png_, to_movie_;
 };
 

@@ -136,10 +136,16 @@ struct OutputDesc {
     int quality = 18;                     ///< H.264 constant rate factor, 0 (lossless) … 51
 };
 
-/// Portable tolerance of golden states, per scene.
+/// What a scene is held to: how near its golden states must be, and limits that no frame of a run may break.
 struct ExpectDesc {
-    double state_tolerance = 1e-6;  ///< greatest distance of any vertex where the build differs [m]
-    std::vector<int> frames;        ///< golden frames
+    double state_tolerance = 1e-6;          ///< greatest distance of any vertex where the build differs [m]
+    std::vector<int> frames;                ///< golden frames
+    std::optional<double> max_stretch;      ///< greatest principal stretch of any triangle
+    std::optional<double> min_gap;          ///< left between any two surfaces [m]
+    std::optional<double> max_residual;     ///< of a frame's solves
+    std::optional<double> max_energy_rise;  ///< within a frame [J]
+    bool all_converged = false;             ///< no step had to be halved
+    std::optional<double> max_seconds_per_frame;  ///< of simulation [s]
 };
 
 inline const std::string default_caption = "{scene}   t = {time} s   frame {frame}";

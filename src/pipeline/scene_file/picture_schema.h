@@ -171,6 +171,15 @@ template <class V>
 void describe(V& v, ExpectDesc& e) {
     v("state_tolerance", e.state_tolerance, "m", range(1e-15, 1.0), "of golden states made by another build");
     v("frames", e.frames, "", range(0, most_frames - 1), "golden frames");
+    v("max_stretch", e.max_stretch, "", range(0.0, 1e6), "greatest stretch of any triangle in a run");
+    v("min_gap", e.min_gap, "m", ranges::distance,
+      "of contact = \"barrier\", less than contact_activation: what stays between any two surfaces");
+    v("max_residual", e.max_residual, "", range(0.0, 1.0), "that a solve may end with");
+    v("max_energy_rise", e.max_energy_rise, "J", range(0.0, 1e12),
+      "of kinetic and potential energy within a frame");
+    v("all_converged", e.all_converged, "true: no step may have to be halved");
+    v("max_seconds_per_frame", e.max_seconds_per_frame, "s", range(0.0, 1e6),
+      "that simulating a frame may take");
 }
 
 template <class V>

@@ -234,6 +234,20 @@ void settle_lengths(SceneFile& file, const std::vector<MeshData>& rest) {
     }
 }
 
+/// Refuses limits that no run can keep.
+void check_limits(const SceneFile& file) {
+    if (!file.expect.min_gap) return;
+    const SimulationDesc& simulation = file.scene.simulation;
+    const std::string gap = fmt::format("{:g} m cannot hold: ", *file.expect.min_gap);
+    if (simulation.contact != ContactKind::barrier)
+        throw SceneError("expect.min_gap", gap + "only contact = \"barrier\" knows of gaps");
+    if (simulation.contact_activation && *file.expect.min_gap >= *simulation.contact_activation)
+        throw SceneError("expect.min_gap",
+                         gap + fmt::format("surfaces come as near as simulation.contact_activation, {:g} m "
+                                           "here, before anything keeps them apart; give less",
+                                           *simulation.contact_activation));
+}
+
 }  // namespace
 
 void resolve(Reader& reader, SceneFile& file) {
@@ -247,6 +261,7 @@ void resolve(Reader& reader, SceneFile& file) {
         require_memory(reading_need(file.scene), available_memory());
         const std::vector<MeshData> rest = checked_rest_shapes(file.scene);
         settle_lengths(file, rest);
+        check_limits(file);
         check_scene(file.scene, rest, (file.output.frames - 1) / file.scene.simulation.frame_rate);
     } catch (const SceneError& error) {
         reader.fail(error.key, error.what());

@@ -90,6 +90,13 @@ SceneFile parse_scene(const std::string& text, const std::string& label, const s
 /// none does. Their names and the files' may differ.
 std::string difference(const SceneFile& a, const SceneFile& b);
 
+/// Every key that applies with what it says, meshes and textures by their content: equal where two scenes ask
+/// for the same. "cloth[0].fabric": "" for the tables themselves.
+std::map<std::string, std::string> values_of(const SceneFile& file);
+
+/// All keys that differ, as difference() finds the first.
+std::vector<std::string> differences(const SceneFile& a, const SceneFile& b);
+
 /// Every key of a scene file with its type, unit, range, default and meaning, table by table.
 std::string key_reference();
 

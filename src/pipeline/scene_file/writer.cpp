@@ -53,6 +53,40 @@ std::string SceneFile::resolved(const FileNames& kept) const {
     return text;
 }
 
+std::map<std::string, std::string> values_of(const SceneFile& file) {
+    FileNames names = file.files;
+    std::map<std::string, std::string> values;
+    for (const Table& table : tables_of(file, names)) {
+        if (!table.path.empty()) values[table.path];
+        for (const Field& f : table.fields) {
+            if (f.applies)
+                values[table.path + (table.path.empty() ? "" : ".") + f.key] =
+                    f.content ? f.content() : f.write();
+        }
+    }
+    return values;
+}
+
+std::vector<std::string> differences(const SceneFile& a, const SceneFile& b) {
+    const auto values_a = values_of(a), values_b = values_of(b);
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : values_a) {
+        const auto other = values_b.find(key);
+        if (other == values_b.end() || other->second != value) keys.push_back(key);
+    }
+    for (const auto& [key, value] : values_b)
+        if (!values_a.contains(key)) keys.push_back(key);
+    // Of a table that only one of them has, its name says it all.
+    std::erase_if(keys, [&](const std::string& key) {
+        for (const std::string& table : keys)
+            if (key.size() > table.size() && key.starts_with(table) &&
+                std::string_view(".").find(key[table.size()]) != std::string_view::npos)
+                return true;
+        return false;
+    });
+    return keys;
+}
+
 std::string difference(const SceneFile& a, const SceneFile& b) {
     FileNames files_a = a.files, files_b = b.files;
     const Tables tables_a = tables_of(a, files_a), tables_b = tables_of(b, files_b);

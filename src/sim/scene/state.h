@@ -28,6 +28,9 @@ struct State {
     std::vector<DragState> drags;           ///< one per drag
     VecX rest_folds;  ///< of creased hinges (bending.h), shape (3 patches); empty where none can crease
     std::uint32_t events_done = 0;  ///< events applied so far, in order of time
+    /// Without barriers: Newton's method last met an indefinite Hessian, and begins the next solve without
+    /// looking at the exact one again.
+    bool indefinite = false;
 };
 
 /// Index of the first vertex with a NaN or infinite position or velocity, or -1.

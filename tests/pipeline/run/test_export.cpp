@@ -26,7 +26,7 @@ class Kept {
             parse_scene("version = 1\n[simulation]\nframe_rate = 25\n[[cloth]]\nresolution = [3, 4]\n",
                         "s.toml", folder_.path());
         const Model model = build_model(file.scene);
-        const RunFolder run = start_run(out(), file, model);
+        const RunFolder run = start_run(out(), {file, model, 4}, {}).folder;
         State state = start_state(model);
         for (state.frame = 0; state.frame < 4; ++state.frame) {
             write_state(state, run.state(state.frame));

@@ -14,14 +14,16 @@ namespace fs = std::filesystem;
 TEST_CASE("clearing a run's folder removes the run and nothing else", "[run_folder]") {
     const TemporaryFolder folder;
     const RunFolder run = RunFolder::create(folder.path());
-    run.write_manifest({"drape", 3, "a build"});
+    run.write_manifest({"drape", 13, "a build"});
     CHECK(run.read_manifest().scene == "drape");
-    CHECK(run.read_manifest().frames == 3);
+    CHECK(run.read_manifest().frames == 13);
     spit(run.state(0), "a state");
     spit(run.state(12), "a state");
     spit(run.image(12), "a picture");
     spit(run.scene(), "version = 1");
     spit(run.report(), "{}");
+    spit(run.certificate(), "{}");
+    spit(run.ledger(), "");
     spit(run.movie("drape"), "a movie");
     fs::create_directory(run.meshes());
     spit(run.meshes() / "rest_000000.obj", "v 0 0 0");

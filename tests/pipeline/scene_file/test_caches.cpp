@@ -109,7 +109,8 @@ TEST_CASE("a run keeps its caches, and is the same scene without the originals",
     {
         const Place place;
         file = place.scene("cache = \"body.npz\"\nunits = \"cm\"\ncache_speed = 2.0\ncache_rate = 30.0\n");
-        start_run(folder / "run", file, build_model(file.scene));
+        const Model model = build_model(file.scene);
+        start_run(folder / "run", {.file = file, .model = model, .frames = 1}, {});
     }
     CHECK(difference(load_run_scene(folder / "run"), file) == "");
 }

@@ -148,6 +148,7 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
         {"cloth.resolution", {.value = "[5, 7]"}},
         {"output.ids", {.value = "[3.0, 4.0, 5.0]"}},
         {"camera.frame", {.value = "\"auto\""}},
+        {"expect.min_gap", {.value = "0.0005"}},
         {"output.shade_range", {.needs = {"output.shade=gap"}, .value = "[-0.25, 0.5]"}},
     };
     for (const char* side : {"seam.first.", "seam.second."}) {
