@@ -74,3 +74,33 @@ TEST_CASE("a run whose files may grow no further says so, and goes on where they
         fs::remove_all(place / "o");
     }
 }
+
+TEST_CASE("a run whose disk is full says so, and goes on to the same bits where there is room",
+          "[cli][killed]") {
+    const Workplace place;
+    if (std::system("unshare -rm true 2>/dev/null") != 0) {
+        WARN("no small file system can be made here (unshare -rm)");
+        return;
+    }
+    REQUIRE(place.run(flags + "whole").code == 0);
+    // A file system of so many kilobytes, which then grows.
+    spit(place / "full.sh",
+         "mkdir -p disk && mount -t tmpfs -o size=$1k tmpfs disk || exit 1\nshift\n"
+         "\"$@\" 2>full.err; echo $? >full.code\n"
+         "mount -o remount,size=64m disk\n"
+         "\"$@\" 2>again.err; echo $? >again.code\n"
+         "rm -rf kept && cp -r disk/run kept\n");
+    for (const char* size : {"40", "80", "120"}) {
+        INFO(size << " kB");
+        // The shell runs it with the program and its flags behind the size.
+        const Outcome shell = place.run(flags + "disk/run", std::string("unshare -rm sh ./full.sh ") + size);
+        REQUIRE(shell.code == 0);
+        CHECK(slurp(place / "full.code") != "0\n");
+        INFO(slurp(place / "full.err"));
+        CHECK_THAT(slurp(place / "full.err"),
+                   Catch::Contains("No space left on device") || Catch::Contains("ffmpeg"));
+        INFO(slurp(place / "again.err"));
+        CHECK(slurp(place / "again.code") == "0\n");
+        check_same(place, "kept");
+    }
+}
