@@ -1,4 +1,4 @@
-// Manifests and reports of kept runs: read, or refused with an Error.
+// Manifests and ledgers of kept runs: read, or refused with an Error; of a ledger what makes sense is taken.
 
 #include "fuzz/file_of_input.h"
 #include "pipeline/formats/error.h"
@@ -10,7 +10,7 @@ using namespace cloth::pipeline;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const RunFolder folder = RunFolder::create(folder_of_inputs());
     file_of(data, size, "states/manifest.json");
-    file_of(data, size, "report.json");
+    file_of(data, size, "ledger.jsonl");
     try {
         folder.read_manifest();
     } catch (const Error&) {
