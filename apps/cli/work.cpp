@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <nlohmann/json.hpp>
 
+#include "apps/cli/json_out.h"
 #include "base/text.h"
 
 namespace cloth::cli {
@@ -63,7 +65,7 @@ std::string last_line(const RunSummary& summary, const std::filesystem::path& ou
 /// On standard error: a bar on a terminal, a line every few seconds elsewhere.
 class ProgressLine {
   public:
-    explicit ProgressLine(bool pictures) : pictures_(pictures) {}
+    ProgressLine(bool pictures, bool json) : pictures_(pictures), json_(json) {}
     ~ProgressLine() { clear(); }
 
     void show(const Progress& progress) {
@@ -71,10 +73,11 @@ class ProgressLine {
         const bool simulating = pictures_ && progress.drawn == 0 && progress.simulated > 3;
         const std::int64_t done = pictures_ && !simulating ? progress.written : progress.simulated;
         const auto now = std::chrono::steady_clock::now();
-        const bool last = done == progress.frames;
-        if (now - shown_ < std::chrono::duration<double>(terminal_ ? 0.1 : 5.0) && !(last && terminal_))
-            return;
+        const bool last = done == progress.frames;  // of a stage
+        const bool often = terminal_ || json_;
+        if (now - shown_ < std::chrono::duration<double>(often ? 0.1 : 5.0) && !(last && often)) return;
         shown_ = now;
+        if (json_) return show_json(progress, std::chrono::duration<double>(now - start_).count());
         const double seconds = std::chrono::duration<double>(now - start_).count();
         const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
         std::string text = fmt::format("{}/{} frames{}, {:.1f} frames/s", done, progress.frames,
@@ -93,6 +96,13 @@ class ProgressLine {
         std::fflush(stderr);
     }
 
+    /// A line about something else.
+    void note(const std::string& line) {
+        if (json_) return print_json_line({{"event", "note"}, {"text", line}});
+        clear();
+        tell("render_cloth: note: " + line + "\n");
+    }
+
     /// Makes room for other lines.
     void clear() {
         if (drawn_) tell("\r\033[K");
@@ -100,7 +110,17 @@ class ProgressLine {
     }
 
   private:
-    bool pictures_;
+    static void show_json(const Progress& p, double seconds) {
+        print_json_line({{"event", "progress"},
+                         {"frames", p.frames},
+                         {"simulated", p.simulated},
+                         {"drawn", p.drawn},
+                         {"written", p.written},
+                         {"encoded", p.encoded},
+                         {"seconds", seconds}});
+    }
+
+    bool pictures_, json_;
     bool terminal_ = isatty(STDERR_FILENO) == 1;
     bool drawn_ = false;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), shown_ = start_;
@@ -122,6 +142,11 @@ void WorkFlags::add(Flags& flags) {
     add_gl(flags);
     flags.yes("--quiet", quiet, "No progress");
     flags.yes("--no-video", no_video, "Pictures only, no MP4");
+    flags.yes("--json", json, "The result as JSON on standard output");
+    flags.choice({"--progress", "FORM",
+                  "text (default), or json: progress, notes and the result on standard output, "
+                  "one object a line"},
+                 progress, {"text", "json"});
 }
 
 void WorkFlags::add_reuse(Flags& flags) {
@@ -134,23 +159,38 @@ render::GlLibrary WorkFlags::gl_library() const {
 }
 
 Watch::Watch(const WorkFlags& flags, bool pictures, OnSignal on_signal)
-    : line_(std::make_unique<ProgressLine>(pictures)) {
+    : line_(std::make_unique<ProgressLine>(pictures, flags.progress == "json")) {
     if (on_signal == OnSignal::finish) options_.stop = request_.emplace().flag();
     options_.pictures = pictures;
     options_.movie = pictures && !flags.no_video;
     options_.threads = flags.threads;
     options_.gl = flags.gl_library();
     options_.fresh = flags.fresh;
-    options_.tell = [this](const std::string& line) {
-        line_->clear();
-        tell("render_cloth: note: " + one_line(line) + "\n");
-    };
+    options_.tell = [this](const std::string& line) { line_->note(one_line(line)); };
     if (!flags.quiet) options_.progress = [this](const Progress& progress) { line_->show(progress); };
 }
 
 Watch::~Watch() = default;
 
-void conclude(const RunSummary& summary, const std::filesystem::path& out) {
+namespace {
+
+nlohmann::ordered_json summary_json(const RunSummary& summary, const std::filesystem::path& out) {
+    return {{"event", "result"},
+            {"scene", summary.scene},
+            {"out", out.string()},
+            {"frames", summary.frames},
+            {"states", {{"made", summary.states}, {"kept", summary.kept_states}}},
+            {"pictures", {{"made", summary.images}, {"kept", summary.kept_images}}},
+            {"movie", summary.movie.string()},
+            {"movie_kept", summary.kept_movie},
+            {"size_pixel", {summary.width, summary.height}},
+            {"playback_rate_hz", summary.playback_rate},
+            {"times_s", pipeline::times_json(summary.times)}};
+}
+
+}  // namespace
+
+void conclude(const RunSummary& summary, const std::filesystem::path& out, const WorkFlags& flags) {
     if (summary.interrupted) {
         const std::int64_t states = summary.kept_states + summary.states,
                            images = summary.kept_images + summary.images;
@@ -165,6 +205,8 @@ void conclude(const RunSummary& summary, const std::filesystem::path& out) {
         if (states > 0) line += "; the same command again continues";
         throw pipeline::Error(ExitCode::interrupted, line);
     }
+    if (flags.progress == "json") return print_json_line(summary_json(summary, out));
+    if (flags.json) return print_json(summary_json(summary, out));
     fmt::print("{}\n", last_line(summary, out));
 }
 
@@ -173,11 +215,15 @@ std::filesystem::path run_scene(const SceneFlags& scene, const WorkFlags& flags,
     const std::filesystem::path out = scene.folder(file);
     const Watch watch(flags, pictures, flags.explain ? OnSignal::end : OnSignal::finish);
     if (flags.explain) {
-        for (const std::string& line : pipeline::explain_run(file, out, watch.options()))
-            fmt::print("{}\n", one_line(line));
+        const std::vector<std::string> lines = pipeline::explain_run(file, out, watch.options());
+        if (flags.json || flags.progress == "json") {
+            print_json_line({{"event", "plan"}, {"out", out.string()}, {"parts", lines}});
+        } else {
+            for (const std::string& line : lines) fmt::print("{}\n", one_line(line));
+        }
         return out;
     }
-    conclude(pipeline::run_scene(file, out, watch.options()), out);
+    conclude(pipeline::run_scene(file, out, watch.options()), out, flags);
     return out;
 }
 

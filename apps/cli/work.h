@@ -19,11 +19,13 @@ struct WorkFlags {
     int threads = 0;  ///< 0: all cores
     std::string gl = "auto";
     bool quiet = false, no_video = false;
+    bool json = false;              ///< the result as JSON
+    std::string progress = "text";  ///< "json": what happens as objects, one a line
     bool fresh = false, explain = false;
 
     void add_threads(Flags& flags);
     void add_gl(Flags& flags);
-    /// Both, and --quiet and --no-video.
+    /// Both, and --quiet, --no-video, --json and --progress.
     void add(Flags& flags);
     void add_reuse(Flags& flags);  ///< --fresh and --explain
 
@@ -52,9 +54,9 @@ class Watch {
     pipeline::RunOptions options_;
 };
 
-/// Tells in a line what a run made and how long each stage took. Throws Error(interrupted) where it was
-/// stopped, saying what is kept and which command makes a movie of it.
-void conclude(const pipeline::RunSummary& summary, const std::filesystem::path& out);
+/// Tells in a line, or as JSON, what a run made and how long each stage took. Throws Error(interrupted) where
+/// it was stopped, saying what is kept and which command makes a movie of it.
+void conclude(const pipeline::RunSummary& summary, const std::filesystem::path& out, const WorkFlags& flags);
 
 /// Simulates the scene that is asked for, draws it where `pictures` are wanted, and concludes. Gives the
 /// run's folder.

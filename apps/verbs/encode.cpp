@@ -21,7 +21,7 @@ void add(cli::Flags& flags, Values& values) {
 cli::ExitCode work(const Values& values) {
     const auto summary = pipeline::encode_run(values.out, values.keys.redraw_overrides(),
                                               cli::Watch(values.work, true, cli::OnSignal::finish).options());
-    cli::conclude(summary, values.out);
+    cli::conclude(summary, values.out, values.work);
     return cli::ExitCode::good;
 }
 

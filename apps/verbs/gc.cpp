@@ -3,8 +3,10 @@
 
 #include <cstdio>
 #include <exception>
+#include <nlohmann/json.hpp>
 
 #include "apps/cli/command_line.h"
+#include "apps/cli/json_out.h"
 #include "apps/verbs/verbs.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -16,12 +18,13 @@ namespace {
 
 struct Values {
     std::string folder = "out";
-    bool yes = false;
+    bool yes = false, json = false;
 };
 
 void add(cli::Flags& flags, Values& values) {
     flags.text({"folder", "DIR", "A run, or a folder of runs (default: out)"}, values.folder);
     flags.yes("--yes", values.yes, "Remove without asking");
+    flags.yes("--json", values.json, "The list as JSON; nothing is asked, and removed with --yes alone");
 }
 
 bool agreed() {
@@ -43,8 +46,9 @@ cli::ExitCode work(const Values& values) {
             held.push_back(pipeline::RunFolder::create(run));
             for (auto& each : pipeline::garbage_of(run)) {
                 bytes += static_cast<double>(each.bytes);
-                fmt::print("{}  {}  {}\n", one_line(each.file.string()),
-                           memory_text(static_cast<double>(each.bytes)), each.why);
+                if (!values.json)
+                    fmt::print("{}  {}  {}\n", one_line(each.file.string()),
+                               memory_text(static_cast<double>(each.bytes)), each.why);
                 all.emplace_back(held.size() - 1, std::move(each));
             }
         } catch (const std::exception& e) {
@@ -53,7 +57,14 @@ cli::ExitCode work(const Values& values) {
     }
     const std::string what = fmt::format("{} in {} ({})", plural(std::ssize(all), "file"),
                                          plural(std::ssize(runs), "run"), memory_text(bytes));
-    if (all.empty()) {
+    if (values.json) {
+        nlohmann::ordered_json files = nlohmann::ordered_json::array();
+        for (const auto& [run, each] : all) {
+            files.push_back({{"file", each.file.string()}, {"bytes", each.bytes}, {"why", each.why}});
+            if (values.yes) held[run].remove(each.file);
+        }
+        cli::print_json({{"runs", runs.size()}, {"removed", values.yes}, {"files", std::move(files)}});
+    } else if (all.empty()) {
         fmt::print("nothing that no run needs in {}\n", plural(std::ssize(runs), "run"));
     } else if (values.yes || agreed()) {
         for (const auto& [run, each] : all) held[run].remove(each.file);

@@ -30,7 +30,7 @@ cli::ExitCode work(const Values& values) {
     const pipeline::SceneFile file = values.keys.load_run(values.run);
     const cli::Watch watch(values.work, true, cli::OnSignal::finish);
     cli::conclude(pipeline::resume_run(values.run, values.from, file, values.out, watch.options()),
-                  values.out);
+                  values.out, values.work);
     return cli::ExitCode::good;
 }
 

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "apps/cli/json_out.h"
 #include "apps/cli/work.h"
 #include "apps/verbs/verbs.h"
 #include "base/text.h"
@@ -22,7 +24,7 @@ struct Values {
     double gamma = 0;  // 0 and the empty name: not given
     int resolution = 0;
     std::string fabric;
-    bool markdown = false, quiet = false;
+    bool markdown = false, quiet = false, json = false;
 };
 
 void add(cli::Flags& flags, Values& values) {
@@ -35,6 +37,7 @@ void add(cli::Flags& flags, Values& values) {
     flags.choice({"--fabric", "NAME", "drape: this fabric alone"}, values.fabric, fabrics);
     flags.text({"--plots", "DIR", "Folder for plots (default: out/validation)"}, values.plots);
     flags.yes("--markdown", values.markdown, "The table in Markdown");
+    flags.yes("--json", values.json, "The table as JSON");
     flags.yes("--quiet", values.quiet, "No progress");
 }
 
@@ -79,17 +82,26 @@ validation::Outcome outcome_of(const validation::Check& check, const validation:
     return outcome;
 }
 
+nlohmann::ordered_json finding_json(const validation::Finding& f) {
+    return {{"check", f.check},       {"quantity", f.quantity},   {"measured", f.measured},
+            {"expected", f.expected}, {"tolerance", f.tolerance}, {"unit", f.unit},
+            {"good", f.good()},       {"source", f.source}};
+}
+
 cli::ExitCode work(const Values& values) {
+    if (values.json && values.markdown) cli::refuse("--json, --markdown: give one of the two");
     const std::vector<validation::Check> wanted = wanted_checks(values);
     const validation::Parameters parameters = wanted_parameters(values, wanted.front());
     const std::filesystem::path plots = values.plots;
     pipeline::require_own_folder(plots, "--plots");
     int bad = 0, plots_written = 0;
-    fmt::print("{}", validation::table_head(values.markdown));
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    if (!values.json) fmt::print("{}", validation::table_head(values.markdown));
     for (const validation::Check& check : wanted) {
         const validation::Outcome outcome = outcome_of(check, parameters, values.quiet);
         for (const validation::Finding& finding : outcome.findings) {
-            fmt::print("{}", validation::table_line(finding, values.markdown));
+            all.push_back(finding_json(finding));
+            if (!values.json) fmt::print("{}", validation::table_line(finding, values.markdown));
             bad += !finding.good();
         }
         std::fflush(stdout);
@@ -100,7 +112,8 @@ cli::ExitCode work(const Values& values) {
             ++plots_written;
         }
     }
-    if (plots_written > 0 && !values.markdown) fmt::print("plots: {}\n", plots.string());
+    if (values.json) cli::print_json(all);
+    if (plots_written > 0 && !values.markdown && !values.json) fmt::print("plots: {}\n", plots.string());
     if (bad > 0)
         throw pipeline::Error(cli::ExitCode::other,
                               fmt::format("validate: {} outside of tolerance", plural(bad, "finding")));

@@ -30,11 +30,6 @@ Json value_of(T value) {
     return value;
 }
 
-Json times_json(const StageTimes& times) {
-    return {{"simulate", times.simulate}, {"store", times.store},   {"draw", times.draw},
-            {"png", times.png},           {"encode", times.encode}, {"wall", times.wall}};
-}
-
 Json contact_times_json(const std::vector<FrameRecord>& records) {
     ContactTimes sum;
     for (const FrameRecord& record : records) merge(sum, record.report.contact_times);
@@ -59,6 +54,11 @@ void write_json(const RunFolder& folder, const Json& json) {
 }
 
 }  // namespace
+
+Json times_json(const StageTimes& times) {
+    return {{"simulate", times.simulate}, {"store", times.store},   {"draw", times.draw},
+            {"png", times.png},           {"encode", times.encode}, {"wall", times.wall}};
+}
 
 Json frame_json(const FrameRecord& record) {
     const FrameReport& report = record.report;

@@ -51,6 +51,9 @@ void write_report(const RunFolder& folder, const SceneFile& file, const Model& m
 /// Redrawing adds to the report of the simulation, under "redrawn".
 void amend_report(const RunFolder& folder, const RunSummary& summary);
 
+/// Times in the report.
+nlohmann::ordered_json times_json(const StageTimes& times);
+
 /// One frame as report.json, certificate.json and the ledger have it: every counter, its unit in the name.
 nlohmann::ordered_json frame_json(const FrameRecord& record);
 /// And read again. Throws std::exception where it is none.
