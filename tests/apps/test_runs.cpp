@@ -25,9 +25,9 @@ TEST_CASE("a run leaves states, pictures, a movie and a report, and says so in i
                              "wall ", ": out/sheet/sheet.mp4\n"})
         CHECK_THAT(outcome.out, Contains(part));
     CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') == 1);
-    std::vector<std::string> expected = {"certificate.json",   "ledger.jsonl", "report.json",
-                                         "scene.toml",         "sheet.mp4",    "states/manifest.json",
-                                         "states/topology.bin"};
+    std::vector<std::string> expected = {"certificate.json",     "ledger.jsonl",       "report.html",
+                                         "report.json",          "scene.toml",         "sheet.mp4",
+                                         "states/manifest.json", "states/topology.bin"};
     for (int frame = 0; frame < 5; ++frame) {
         expected.push_back("frames/frame_00000" + std::to_string(frame) + ".png");
         expected.push_back("states/state_00000" + std::to_string(frame) + ".bin");

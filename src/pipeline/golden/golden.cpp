@@ -216,11 +216,9 @@ struct Session {
 
 /// The row of a frame and its part of the page, against what stood there; nothing where the frame is new, or
 /// its old files cannot be read.
-std::optional<std::pair<GoldenRow, std::string>> compared_with_old(const fs::path& golden,
-                                                                   const GoldenFacts& before,
-                                                                   std::int64_t frame, const State& state,
-                                                                   const render::Image& picture,
-                                                                   const GoldenResult& result) {
+std::optional<std::pair<GoldenRow, nlohmann::ordered_json>> compared_with_old(
+    const fs::path& golden, const GoldenFacts& before, std::int64_t frame, const State& state,
+    const render::Image& picture, const GoldenResult& result) {
     try {
         const State old_state = read_state(golden_state(golden, frame));
         const render::Image old_picture = render::read_png(golden_image(golden, frame));
@@ -229,8 +227,8 @@ std::optional<std::pair<GoldenRow, std::string>> compared_with_old(const fs::pat
         row.state =
             judge_state(old_state, state, {before.build == result.actual_build, result.state_tolerance});
         row.image = judge_image(old_picture, picture, before.renderer == result.actual_renderer);
-        std::string html = row_html(row, &old_picture, &picture);
-        return std::pair(std::move(row), std::move(html));
+        nlohmann::ordered_json part = row_json(row, &old_picture, &picture);
+        return std::pair(std::move(row), std::move(part));
     } catch (const std::runtime_error&) {
         return std::nullopt;
     }
@@ -267,7 +265,7 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
     result.golden_renderer = facts.renderer;
     const std::vector<State> states = simulate(session.simulation, result.scene, session.frames);
     const StateGate gate{facts.build == result.actual_build, result.state_tolerance};
-    std::string rows;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < states.size(); ++i) {
         GoldenRow row;
         row.frame = session.frames[i];
@@ -281,7 +279,7 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
         } else {
             row.image.reason = "not drawn: the golden state does not fit the scene";
         }
-        rows += row_html(row, &golden_picture, picture ? &*picture : nullptr);
+        rows.push_back(row_json(row, &golden_picture, picture ? &*picture : nullptr));
         result.rows.push_back(std::move(row));
     }
     conclude(result);
@@ -312,13 +310,13 @@ GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, c
     const FolderLock lock(golden);
     // Until all is written anew the goldens count as missing, never as a mixture.
     write_facts(golden, result, {});
-    std::string rows;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < states.size(); ++i) {
         const std::int64_t frame = session.frames[i];
         const render::Image picture = session.draw(states[i]);
         if (before) {
             if (auto row = compared_with_old(golden, *before, frame, states[i], picture, result)) {
-                rows += row->second;
+                rows.push_back(std::move(row->second));
                 result.rows.push_back(std::move(row->first));
             }
         }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "base/text.h"
 #include "pipeline/formats/error.h"
 #include "pipeline/formats/file_io.h"
+#include "pipeline/page/page.h"
 #include "pipeline/run/run_folder.h"
 
 namespace cloth::pipeline {
@@ -19,27 +21,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string base64(std::string_view bytes) {
-    static constexpr std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
-        unsigned triple = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            triple = triple << 8 | (k < n ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k) text += k <= n ? digits[triple >> (18 - 6 * k) & 63u] : '=';
-    }
-    return text;
-}
-
-std::string picture_html(const render::Image& image, const std::string& caption) {
+/// The picture, to be shown in a page.
+std::string url_of(const render::Image& image) {
     const std::vector<std::uint8_t> png = render::encode_png(image);
-    const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
-    return fmt::format(
-        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption>"
-        "</figure>\n",
-        escaped(caption), base64(bytes));
+    return picture_url({reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
 const char* word(bool passed) {
@@ -84,45 +69,44 @@ std::string golden_table(const GoldenResult& result) {
     return table;
 }
 
-std::string row_html(const GoldenRow& row, const render::Image* golden, const render::Image* actual) {
-    std::string html = fmt::format(
-        "<h2>Frame {}</h2>\n<p>State: <b>{}</b>, distance {} m. {}</p>\n<p>Picture: <b>{}</b>, PSNR {} dB, "
-        "over 2: "
-        "{:.3f} %, over 32: {:.3f} %, worst by {} of 255 at ({}, {}). {}</p>\n",
-        row.frame, word(row.state.passed), distance_text(row.state), escaped(row.state.reason),
-        word(row.image.passed), psnr_text(row.image), 100 * row.image.difference.fraction_over_2,
-        100 * row.image.difference.fraction_over_32, row.image.difference.largest,
-        row.image.difference.worst_x, row.image.difference.worst_y, escaped(row.image.reason));
-    html += "<div class=\"row\">\n";
-    if (golden != nullptr) html += picture_html(*golden, "golden");
-    if (actual != nullptr) html += picture_html(*actual, "actual");
-    if (golden != nullptr && actual != nullptr && row.image.difference.same_size)
-        html += picture_html(render::magnified_difference(*golden, *actual, 16), "difference, times 16");
-    return html + "</div>\n";
+nlohmann::ordered_json row_json(const GoldenRow& row, const render::Image* golden,
+                                const render::Image* actual) {
+    const render::ImageDifference& d = row.image.difference;
+    nlohmann::ordered_json json = {
+        {"frame", row.frame},
+        {"good", row.state.passed && row.image.passed},
+        {"state", fmt::format("{}, distance {} m. {}", word(row.state.passed), distance_text(row.state),
+                              row.state.reason)},
+        {"picture",
+         fmt::format(
+             "{}, PSNR {} dB, over 2: {:.3f} %, over 32: {:.3f} %, worst by {} of 255 at ({}, {}). {}",
+             word(row.image.passed), psnr_text(row.image), 100 * d.fraction_over_2, 100 * d.fraction_over_32,
+             d.largest, d.worst_x, d.worst_y, row.image.reason)}};
+    if (golden != nullptr) json["before"] = url_of(*golden);
+    if (actual != nullptr) json["after"] = url_of(*actual);
+    if (golden != nullptr && actual != nullptr && d.same_size)
+        json["difference"] = url_of(render::magnified_difference(*golden, *actual, 16));
+    return json;
 }
 
-std::filesystem::path write_page(const GoldenResult& result, const std::string& rows, const fs::path& out) {
+std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ordered_json& rows,
+                                 const fs::path& out) {
     std::error_code failure;
     fs::create_directories(out, failure);
     if (failure)
         throw Error(ExitCode::other, "cannot write to the folder " + out.string() + ": " + failure.message());
     const fs::path path = out / "golden.html";
-    const std::string title =
-        fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
-    write_file(
-        path, fmt::format(
-                  "<!DOCTYPE html>\n{8}\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
-                  "<style>body{{font:15px sans-serif;margin:2em}}.row{{display:flex;gap:8px;flex-wrap:wrap}}"
-                  "figure{{margin:0}}img{{image-rendering:pixelated}}pre{{background:#eee;padding:1em}}"
-                  "</style></head><body>\n<h1>{0}</h1>\n<table>\n"
-                  "<tr><td>golden build</td><td>{1}</td></tr>\n<tr><td>this build</td><td>{2}</td></tr>\n"
-                  "<tr><td>golden renderer</td><td>{3}</td></tr>\n"
-                  "<tr><td>this renderer</td><td>{4}</td></tr>\n</table>\n<pre>{5}</pre>\n"
-                  "<p>Pictures are drawn from the golden states. If the change is wanted:</p>\n"
-                  "<pre>{6}</pre>\n{7}</body></html>\n",
-                  escaped(title), escaped(result.golden_build), escaped(result.actual_build),
-                  escaped(result.golden_renderer), escaped(result.actual_renderer),
-                  escaped(golden_table(result)), escaped(bless_command(result.scene)), rows, own_mark));
+    nlohmann::ordered_json data;
+    data["mark"] = own_mark;
+    data["title"] = fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
+    data["verdict"] = {{"text", result.passed ? "agree" : "differ"},
+                       {"tone", result.passed ? "good" : "bad"}};
+    data["facts_head"] = {"", "golden", "now"};
+    data["facts"] = {{"build", {result.golden_build, result.actual_build}},
+                     {"renderer", {result.golden_renderer, result.actual_renderer}}};
+    data["text"] = golden_table(result);
+    data["golden"] = {{"rows", rows}, {"command", bless_command(result.scene)}};
+    write_file(path, page_text(data));
     return path;
 }
 

@@ -2,6 +2,7 @@
 // What a comparison with goldens found, as an HTML page that holds its pictures. Internal to this room.
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "pipeline/golden/golden.h"
@@ -13,10 +14,11 @@ namespace cloth::pipeline {
 std::string bless_command(const std::string& scene);
 
 /// The page's part of one frame: its pictures are there only while it is made; nullptr: none.
-std::string row_html(const GoldenRow& row, const render::Image* golden, const render::Image* actual);
+nlohmann::ordered_json row_json(const GoldenRow& row, const render::Image* golden,
+                                const render::Image* actual);
 
 /// Writes `out`/golden.html with the parts of all frames, and gives its path. Throws Error(other).
-std::filesystem::path write_page(const GoldenResult& result, const std::string& rows,
+std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ordered_json& rows,
                                  const std::filesystem::path& out);
 
 }  // namespace cloth::pipeline

@@ -102,6 +102,13 @@ class ExportedRun {
     }
 
     const ExportScene& scene() const { return scene_; }
+    /// Every `every`th of the frames alone.
+    void thin_out(int every) {
+        std::vector<std::int64_t> kept;
+        for (std::size_t k = 0; k < scene_.frames.size(); k += static_cast<std::size_t>(every))
+            kept.push_back(scene_.frames[k]);
+        scene_.frames = std::move(kept);
+    }
     StateReader reader() const { return state_reader(run_.folder, run_.model); }
 
     ExportFrame frame_of(std::int64_t index, const State& state) const {
@@ -139,6 +146,21 @@ class ExportedRun {
     CameraDesc camera_;
 };
 
+/// All frames of a run to an exporter.
+void pass_on(const ExportedRun& run, Exporter& exporter, const RunOptions& options) {
+    const StateReader read = run.reader();
+    Progress progress{.frames = static_cast<std::int64_t>(run.scene().frames.size())};
+    exporter.begin(run.scene());
+    for (const std::int64_t frame : run.scene().frames) {
+        if (options.stopping()) throw Error(ExitCode::interrupted, "interrupted: no mesh was written");
+        const State state = read_kept(read, frame);
+        exporter.frame(run.frame_of(frame, state));
+        ++progress.simulated;
+        if (options.progress) options.progress(progress);
+    }
+    exporter.end();
+}
+
 }  // namespace
 
 std::vector<std::int64_t> export_frames(const fs::path& out, const ExportChoice& choice,
@@ -150,19 +172,16 @@ std::vector<std::int64_t> export_frames(const fs::path& out, const ExportChoice&
                     fmt::format("--file {}: is a folder; give a name in it, as in {}", file.string(),
                                 (file / fmt::format("sheet{}", format.extension())).string()));
     const ExportedRun run(out, choice, options.stop);
-    const StateReader read = run.reader();
-    const auto exporter = format.make(file, names);
-    Progress progress{.frames = static_cast<std::int64_t>(run.scene().frames.size())};
-    exporter->begin(run.scene());
-    for (const std::int64_t frame : run.scene().frames) {
-        if (options.stopping()) throw Error(ExitCode::interrupted, "interrupted: no mesh was written");
-        const State state = read_kept(read, frame);
-        exporter->frame(run.frame_of(frame, state));
-        ++progress.simulated;
-        if (options.progress) options.progress(progress);
-    }
-    exporter->end();
+    pass_on(run, *format.make(file, names), options);
     return run.scene().frames;
+}
+
+void record_frames(const fs::path& out, int every, Exporter& exporter, const RunOptions& options) {
+    ExportedRun run(out, {}, options.stop);
+    run.thin_out(every);
+    RunOptions quiet = options;
+    quiet.progress = nullptr;
+    pass_on(run, exporter, quiet);
 }
 
 }  // namespace cloth::pipeline

@@ -13,6 +13,7 @@
 #include "pipeline/run/ledger.h"
 #include "pipeline/run/plan.h"
 #include "pipeline/run/run.h"
+#include "pipeline/run/run_page.h"
 #include "pipeline/scene_file/memory_need.h"
 #include "render/image/image.h"
 
@@ -118,6 +119,7 @@ RunSummary render_run(const fs::path& out, const std::optional<FrameSpan>& span,
     }
     if (!summary.movie.empty()) keep_movie(run, summary);
     amend_report(run.folder, summary);
+    if (!summary.interrupted) leave_run_page(out, options);
     return summary;
 }
 
@@ -130,6 +132,7 @@ RunSummary encode_run(const fs::path& out, const Overrides& overrides, const Run
     summary.encoder = ffmpeg_version(options.stop);
     encode_pictures(run, frames, options, summary);
     keep_movie(run, summary);
+    leave_run_page(out, options);
     summary.times.wall = summary.times.encode;
     return summary;
 }

@@ -52,6 +52,10 @@ struct ExportChoice {
     std::optional<FrameSpan> frames = {};  ///< default: all that are kept
     std::string cloth = {};                ///< this one alone; empty: all
 };
+/// Gives every `every`th kept frame of a run, from its first on, to an exporter. Throws Error(other);
+/// Error(interrupted) where it is stopped.
+void record_frames(const std::filesystem::path& out, int every, Exporter& exporter,
+                   const RunOptions& options);
 /// Writes kept states in a format of meshes: with FrameNames::numbered sheet_000000.obj … for the file
 /// sheet.obj in a format of one file per frame, else that one file. Throws Error(usage) where a frame is not
 /// kept, there is no such cloth, `file` is a folder, or the format cannot hold what is asked;

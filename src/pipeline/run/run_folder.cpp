@@ -219,12 +219,12 @@ std::vector<fs::path> RunFolder::files() const {
     // The scene goes first: without it there is nothing to be drawn again from what is left.
     const Part parts[] = {
         {root_,
-         {"scene.toml", "report.json", "certificate.json", "ledger.jsonl", "sheet.png", "overlap.png",
-          movie_name},
+         {"scene.toml", "report.json", "certificate.json", "report.html", "ledger.jsonl", "sheet.png",
+          "overlap.png", movie_name},
          {}},
         {root_ / "states", {"topology.bin"}, {{"state", ".bin"}}},
         {root_ / "frames", {}, {{"frame", ".png"}}},
-        {meshes(), {}, {{"rest", ".obj"}, {"pose", ".obj"}, {"collider", ".obj"}}},
+        {meshes(), {}, {{"rest", ".obj"}, {"pose", ".obj"}, {"collider", ".obj"}, {"cache", ".npz"}}},
         {textures(), {}, {{"cloth", ".png"}}},
     };
     std::vector<fs::path> all;

@@ -31,8 +31,8 @@ void require_own_folder(const std::filesystem::path& folder, const std::string& 
 
 /// states/manifest.json is the first file of a run and stays until the next run's takes its place: a folder
 /// with it is a run's. DIR/scene.toml, DIR/meshes/…, DIR/textures/…, DIR/states/state_000000.bin …,
-/// DIR/frames/frame_000000.png …, DIR/NAME.mp4, DIR/report.json, DIR/certificate.json, DIR/ledger.jsonl,
-/// DIR/sheet.png.
+/// DIR/frames/frame_000000.png …, DIR/NAME.mp4, DIR/report.json, DIR/certificate.json, DIR/report.html,
+/// DIR/ledger.jsonl, DIR/sheet.png.
 class RunFolder {
   public:
     /// For writing, and locked for as long as any copy lives. Throws Error(usage) as require_own_folder(),
@@ -48,6 +48,7 @@ class RunFolder {
     std::filesystem::path meshes() const { return root_ / "meshes"; }
     std::filesystem::path textures() const { return root_ / "textures"; }
     std::filesystem::path report() const { return root_ / "report.json"; }
+    std::filesystem::path page() const { return root_ / "report.html"; }
     std::filesystem::path certificate() const { return root_ / "certificate.json"; }
     std::filesystem::path ledger() const { return root_ / "ledger.jsonl"; }
     std::filesystem::path topology() const { return root_ / "states" / "topology.bin"; }

@@ -19,6 +19,7 @@
 #include "pipeline/run/draw.h"
 #include "pipeline/run/kept_run.h"
 #include "pipeline/run/run.h"
+#include "pipeline/run/run_page.h"
 #include "pipeline/scene_file/memory_need.h"
 #include "sim/simulation.h"
 
@@ -307,6 +308,12 @@ RunSummary run_scene(const SceneFile& file, const fs::path& out, const RunOption
                           outcome);
     });
     if (!failure) failure = unwritten;  // else a full disk has been told of already
+    const bool page_good = started.finished && !failure && fs::exists(folder.page());
+    if (!page_good && !options.stopping() && summary.kept_states + summary.states > 0) {
+        RunOptions quiet = options;
+        if (failure) quiet.tell = nullptr;  // one line is enough, and that is the failure's
+        leave_run_page(out, quiet);
+    }
     summary.times.wall = wall.seconds();
     if (!failure) {
         if (const std::string broken = broken_promises(promises(file.expect, summary.records));
