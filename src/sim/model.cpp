@@ -12,6 +12,7 @@
 #include "sim/energies/woven.h"
 #include "sim/model/possible.h"
 #include "sim/scene/mesh.h"
+#include "sim/scene/rest_shape.h"
 
 namespace cloth {
 namespace {
@@ -49,7 +50,7 @@ void for_each_triangle(const Model& model, const Body& body) {
         const ClothDesc& cloth = model.scene.cloths[c];
         const ClothRange& range = model.cloths[c];
         for (int t = range.first_triangle; t < range.first_triangle + range.triangle_count; ++t) {
-            body(cloth.fabric, cloth, t);
+            body(model.fabric(t), cloth, t);
         }
     }
 }
@@ -59,18 +60,18 @@ std::array<int, 3> corners(const Model& model, int t) {
 }
 
 WovenRest woven_rest(const Model& model, const ClothDesc& cloth, int t, const Mat3& C) {
-    const auto v = corners(model, t);
-    return make_woven_rest(model.rest_positions.row(v[0]), model.rest_positions.row(v[1]),
-                           model.rest_positions.row(v[2]), cloth.warp, cloth.fabric.thickness, C);
+    const Points& X = model.rest_corners;
+    return make_woven_rest(X.row(3 * t), X.row(3 * t + 1), X.row(3 * t + 2), cloth.warp,
+                           model.fabric(t).thickness, C);
 }
 
 std::vector<TriangleRest> make_triangle_rests(const Model& model) {
     std::vector<TriangleRest> rest;
     for_each_triangle(model, [&](const Fabric& fabric, const ClothDesc&, int t) {
-        const auto v = corners(model, t);
+        const Points& X = model.rest_corners;
         const auto [mu, lambda] = membrane_moduli(fabric);
-        rest.push_back(make_triangle_rest(model.rest_positions.row(v[0]), model.rest_positions.row(v[1]),
-                                          model.rest_positions.row(v[2]), fabric.thickness, mu, lambda));
+        rest.push_back(make_triangle_rest(X.row(3 * t), X.row(3 * t + 1), X.row(3 * t + 2), fabric.thickness,
+                                          mu, lambda));
     });
     return rest;
 }
@@ -120,29 +121,39 @@ void add_membranes(Model& model) {
     }
 }
 
-/// Bending patches of the cloths that `wanted` names, with a rigidity each.
+/// Bending patches of the triangles whose fabric `wanted` names, with a rigidity each.
 struct Plates {
     std::vector<BendingPatch> patches;
     std::vector<Mat3> rigidity;
-    std::vector<double> yield_curvature;
+    std::vector<const Fabric*> fabric;
 };
 
 template <class Wanted>
 Plates make_plates(const Model& model, const Wanted& wanted) {
     Plates plates;
     for (std::size_t c = 0; c < model.cloths.size(); ++c) {
-        const ClothDesc& cloth = model.scene.cloths[c];
-        const Fabric& fabric = cloth.fabric;
-        const Mat3 D = bending_rigidity(fabric.bending, fabric.bending_weft.value_or(fabric.bending),
-                                        fabric.bending_bias);
-        if (!wanted(fabric) || D.isZero(0.0)) continue;
         const ClothRange& range = model.cloths[c];
-        for (const BendingPatch& patch : make_bending_patches(
-                 model.rest_positions, model.triangles.middleRows(range.first_triangle, range.triangle_count),
-                 cloth.warp)) {
-            plates.patches.push_back(patch);
-            plates.rigidity.push_back(D);
-            plates.yield_curvature.push_back(fabric.yield_curvature.value_or(0.0));
+        const auto bends = [&](int t) {
+            const Fabric& f = model.fabric(t);
+            const Mat3 D = bending_rigidity(f.bending, f.bending_weft.value_or(f.bending), f.bending_bias);
+            return wanted(f) && !D.isZero(0.0) ? std::optional(D) : std::nullopt;
+        };
+        std::vector<std::optional<Mat3>> rigidity;
+        bool any = false;
+        for (int t = 0; t < range.triangle_count; ++t) {
+            rigidity.push_back(bends(range.first_triangle + t));
+            any = any || rigidity.back();
+        }
+        if (!any) continue;
+        const auto patches = make_bending_patches(
+            model.rest_corners.middleRows(3 * range.first_triangle, 3 * range.triangle_count),
+            model.triangles.middleRows(range.first_triangle, range.triangle_count),
+            model.scene.cloths[c].warp);
+        for (int t = 0; t < range.triangle_count; ++t) {
+            if (!rigidity[t]) continue;
+            plates.patches.push_back(patches[t]);
+            plates.rigidity.push_back(*rigidity[t]);
+            plates.fabric.push_back(&model.fabric(range.first_triangle + t));
         }
     }
     return plates;
@@ -172,18 +183,19 @@ std::unique_ptr<StageEnergy> make_membrane_viscosity(const Model& model) {
 }
 
 std::unique_ptr<StageEnergy> make_bending_viscosity(const Model& model) {
-    std::vector<BendingPatch> patches;
+    const Plates plates = make_plates(model, [](const Fabric& f) { return f.bending_damping != 0.0; });
+    if (plates.patches.empty()) return nullptr;
     std::vector<Mat3> viscosity;
-    for (std::size_t c = 0; c < model.cloths.size(); ++c) {
-        const double damping = model.scene.cloths[c].fabric.bending_damping;
-        if (damping == 0.0) continue;
-        const Fabric* fabric = &model.scene.cloths[c].fabric;
-        const Plates plates = make_plates(model, [&](const Fabric& f) { return &f == fabric; });
-        patches.insert(patches.end(), plates.patches.begin(), plates.patches.end());
-        for (const Mat3& D : plates.rigidity) viscosity.push_back(damping * D);
-    }
-    if (patches.empty()) return nullptr;
-    return std::make_unique<BendingViscosity>(patches, viscosity);
+    for (std::size_t k = 0; k < plates.patches.size(); ++k)
+        viscosity.push_back(plates.fabric[k]->bending_damping * plates.rigidity[k]);
+    return std::make_unique<BendingViscosity>(plates.patches, viscosity);
+}
+
+/// Of each hinged plate, 0: elastic [1/m].
+std::vector<double> yield_curvatures(const Plates& plates) {
+    std::vector<double> yield;
+    for (const Fabric* fabric : plates.fabric) yield.push_back(fabric->yield_curvature.value_or(0.0));
+    return yield;
 }
 
 std::vector<SeamSpring> make_seam_springs(const Model& model) {
@@ -195,13 +207,11 @@ std::vector<SeamSpring> make_seam_springs(const Model& model) {
         for (int side = 0; side < 2; ++side) {
             const int c = seam.sides[side].cloth;
             const ClothDesc& cloth = model.scene.cloths[c];
-            MeshData rest;
-            rest.positions =
-                model.rest_positions.middleRows(model.cloths[c].first_vertex, model.cloths[c].vertex_count);
+            const MeshData rest = rest_shape(cloth);
             start[side] = start_positions(cloth, rest);
-            vertices[side] = select_vertices(
-                seam.sides[side], start[side],
-                "seam[" + std::to_string(i) + "]." + (side == 0 ? "first" : "second"), cloth.rest_grid());
+            vertices[side] =
+                select_vertices(seam.sides[side], cloth, rest, start[side],
+                                "seam[" + std::to_string(i) + "]." + (side == 0 ? "first" : "second"));
         }
         if (vertices[0].size() != vertices[1].size()) {
             throw SceneError("seam[" + std::to_string(i) + "]",
@@ -228,17 +238,14 @@ std::vector<SeamSpring> make_seam_springs(const Model& model) {
 void assemble_mass(Model& model) {
     model.vertex_mass = VecX::Zero(model.vertex_count());
     model.mass.values.assign(model.pattern.slot_count(), 0.0);
-    for (std::size_t c = 0; c < model.cloths.size(); ++c) {
-        const ClothRange& range = model.cloths[c];
-        for (int t = range.first_triangle; t < range.first_triangle + range.triangle_count; ++t) {
-            const double mass = model.scene.cloths[c].fabric.density * model.triangle_areas(t);
-            for (int i = 0; i < 3; ++i) {
-                const int a = model.triangles(t, i);
-                model.vertex_mass(a) += mass / 3.0;
-                for (int j = 0; j < 3; ++j) {
-                    const int b = model.triangles(t, j);
-                    if (a <= b) model.mass.values[model.pattern.slot(a, b)] += mass / (i == j ? 6.0 : 12.0);
-                }
+    for (int t = 0; t < model.triangle_count(); ++t) {
+        const double mass = model.fabric(t).density * model.triangle_areas(t);
+        for (int i = 0; i < 3; ++i) {
+            const int a = model.triangles(t, i);
+            model.vertex_mass(a) += mass / 3.0;
+            for (int j = 0; j < 3; ++j) {
+                const int b = model.triangles(t, j);
+                if (a <= b) model.mass.values[model.pattern.slot(a, b)] += mass / (i == j ? 6.0 : 12.0);
             }
         }
     }
@@ -246,12 +253,19 @@ void assemble_mass(Model& model) {
 
 }  // namespace
 
+const Fabric& Model::fabric(int t) const {
+    if (part[t] >= 0) return scene.parts[part[t]].fabric;
+    std::size_t c = 0;
+    while (t >= cloths[c].first_triangle + cloths[c].triangle_count) ++c;
+    return scene.cloths[c].fabric;
+}
+
 std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model& model) {
     std::vector<std::unique_ptr<StageEnergy>> energies;
-    Plates hinged = make_hinged_plates(model);
+    const Plates hinged = make_hinged_plates(model);
     if (!hinged.patches.empty()) {
-        energies.push_back(std::make_unique<HingeEnergy>(hinged.patches, hinged.rigidity,
-                                                         std::move(hinged.yield_curvature)));
+        energies.push_back(
+            std::make_unique<HingeEnergy>(hinged.patches, hinged.rigidity, yield_curvatures(hinged)));
     }
     if (!model.scene.seams.empty())
         energies.push_back(std::make_unique<SeamEnergy>(make_seam_springs(model)));
@@ -262,8 +276,8 @@ std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model& model
     return energies;
 }
 
-std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
-                                 const std::string& key, const Grid* grid) {
+std::vector<int> select_vertices(const VertexSelection& selection, const ClothDesc& cloth,
+                                 const MeshData& rest, const Points& start, const std::string& key) {
     const int n = static_cast<int>(start.rows());
     std::vector<int> selected;
     if (!selection.vertices.empty()) {
@@ -295,6 +309,7 @@ std::vector<int> select_vertices(const VertexSelection& selection, const Points&
             if (sign * start(v, axis) >= extreme - selection.tolerance) selected.push_back(v);
         }
     } else if (selection.edge) {
+        const Grid* grid = cloth.rest_grid();
         if (!grid) throw SceneError(key + ".edge", "names a grid's edge; this cloth is no grid");
         const auto [nx, ny] = grid->resolution;
         const std::string& edge = *selection.edge;
@@ -305,6 +320,15 @@ std::vector<int> select_vertices(const VertexSelection& selection, const Points&
                 selected.push_back(v);
             }
         }
+    } else if (selection.part) {
+        const MeshPart* part = find_part(rest, *selection.part);
+        if (!part)
+            throw SceneError(key + ".part",
+                             "cloth \"" + cloth.name + "\" " + unknown_part(rest, *selection.part));
+        for (const int t : part->triangles)
+            for (int k = 0; k < 3; ++k) selected.push_back(rest.triangles(t, k));
+        std::sort(selected.begin(), selected.end());
+        selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
     }
     if (selected.empty()) throw SceneError(key, "selects no vertex of the cloth's start pose");
     return selected;
@@ -321,12 +345,14 @@ std::vector<PinGroup> make_pin_groups(const Scene& scene, const std::vector<Mesh
         const ClothDesc& cloth = scene.cloths[pin.cloth];
         const Points start = start_positions(cloth, rest[pin.cloth]);
         PinGroup group{.center = Vec3::Zero(), .path = pin.path, .until = pin.until};
-        for (int v : select_vertices(pin, start, "pin[" + std::to_string(p) + "]", cloth.rest_grid())) {
+        for (int v : select_vertices(pin, cloth, rest[pin.cloth], start, "pin[" + std::to_string(p) + "]")) {
             group.vertices.push_back(first_vertex[pin.cloth] + v);
             group.start.push_back(start.row(v));
             group.center += group.start.back();
         }
         group.center = pin.center.value_or(group.center / static_cast<double>(group.vertices.size()));
+        if (pin.collider)
+            group.carrier = std::make_shared<const Carrier>(scene.colliders[*pin.collider], group.start);
         groups.push_back(std::move(group));
     }
     return groups;
@@ -345,7 +371,9 @@ Model build_model(const Scene& scene) {
     int vertices = 0, triangles = 0;
     for (std::size_t c = 0; c < scene.cloths.size(); ++c) {
         meshes.push_back(rest_shape(scene.cloths[c]));
-        check_cloth_mesh(meshes.back(), "cloth[" + std::to_string(c) + "].mesh");
+        const std::string key = "cloth[" + std::to_string(c) + "]";
+        check_cloth_mesh(meshes.back(), key + ".mesh");
+        if (scene.cloths[c].rest == RestShape::uv) check_uv(meshes.back(), key + ".rest");
         ClothRange range{scene.cloths[c].name, vertices, static_cast<int>(meshes[c].positions.rows()),
                          triangles, static_cast<int>(meshes[c].triangles.rows())};
         vertices += range.vertex_count;
@@ -360,15 +388,22 @@ Model build_model(const Scene& scene) {
         model.triangles.middleRows(range.first_triangle, range.triangle_count) =
             meshes[c].triangles.array() + range.first_vertex;
     }
+    settle_lengths(model.scene, meshes);
+    model.rest_corners.resize(3 * triangles, 3);
+    for (std::size_t c = 0; c < meshes.size(); ++c) {
+        const ClothRange& range = model.cloths[c];
+        model.rest_corners.middleRows(3 * range.first_triangle, 3 * range.triangle_count) =
+            rest_corners(model.scene.cloths[c], meshes[c]);
+        const std::vector<int> parts = part_of_triangles(scene, c, meshes[c]);
+        model.part.insert(model.part.end(), parts.begin(), parts.end());
+    }
     model.triangle_areas.resize(triangles);
     for (int t = 0; t < triangles; ++t) {
-        const Vec3 a = model.rest_positions.row(model.triangles(t, 0));
-        const Vec3 b = model.rest_positions.row(model.triangles(t, 1));
-        const Vec3 c = model.rest_positions.row(model.triangles(t, 2));
+        const Vec3 a = model.rest_corners.row(3 * t), b = model.rest_corners.row(3 * t + 1),
+                   c = model.rest_corners.row(3 * t + 2);
         model.triangle_areas(t) = 0.5 * (b - a).cross(c - a).norm();
     }
 
-    settle_lengths(model.scene, meshes);
     require_start_within_limits(scene, meshes);
     model.pin_groups = make_pin_groups(scene, meshes);
     for (const Pin& pin : pins_of_step(model.pin_groups, 0.0, 0.0)) model.pinned.push_back(pin.vertex);
@@ -408,7 +443,7 @@ State start_state(const Model& model) {
     for (const ColliderDesc& collider : model.scene.colliders) state.collider_on.push_back(collider.enabled);
     state.drags.resize(model.scene.drags.size());
     const Plates hinged = make_hinged_plates(model);
-    for (double yield : hinged.yield_curvature) {
+    for (double yield : yield_curvatures(hinged)) {
         if (yield > 0.0) state.rest_folds = HingeEnergy::rest_folds(hinged.patches);
     }
     return state;

@@ -26,8 +26,10 @@ struct Model {
     Scene scene;            ///< events sorted by time, lengths settled (mesh.h)
     Points rest_positions;  ///< shape (n, 3), all cloths one after another [m]
     Triangles triangles;    ///< shape (m, 3), into all vertices
+    Points rest_corners;    ///< shape (3m, 3), each triangle's own (rest_shape.h) [m]
     std::vector<ClothRange> cloths;
-    VecX triangle_areas;  ///< shape (m), at rest [m²]
+    std::vector<int> part;  ///< per triangle, into Scene::parts; -1: of the cloth's own fabric
+    VecX triangle_areas;    ///< shape (m), at rest [m²]
     std::vector<PinGroup> pin_groups;
     std::vector<int> pinned;  ///< at the start; sorted, without repeats
     BlockPattern pattern;     ///< of mass and Hessians
@@ -38,6 +40,9 @@ struct Model {
     std::vector<TriangleRest> triangle_rest;        ///< per triangle, for stretches
     double time_step = 0.0;                         ///< [s]
     int steps_per_frame = 1;
+
+    /// Of a triangle.
+    const Fabric& fabric(int t) const;
 
     int vertex_count() const { return static_cast<int>(rest_positions.rows()); }
     int triangle_count() const { return static_cast<int>(triangles.rows()); }
@@ -52,10 +57,10 @@ std::vector<std::unique_ptr<StageEnergy>> make_stage_energies(const Model& model
 /// State at time 0.
 State start_state(const Model& model);
 
-/// Vertices selected, numbered within their cloth; throws SceneError where there are none. `grid`: the
-/// cloth's rest shape where it is one, for edge names.
-std::vector<int> select_vertices(const VertexSelection& selection, const Points& start,
-                                 const std::string& key, const Grid* grid = nullptr);
+/// Vertices selected of a cloth whose rest shape is `rest` and that stands at `start`, numbered within it;
+/// throws SceneError where there are none.
+std::vector<int> select_vertices(const VertexSelection& selection, const ClothDesc& cloth,
+                                 const MeshData& rest, const Points& start, const std::string& key);
 
 /// What each [[pin]] holds; throws SceneError where one selects nothing. `rest`: one per cloth.
 std::vector<PinGroup> make_pin_groups(const Scene& scene, const std::vector<MeshData>& rest);

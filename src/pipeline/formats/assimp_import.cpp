@@ -6,9 +6,14 @@
 
 #include <assimp/BaseImporter.h>
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "base/memory.h"
@@ -38,11 +43,22 @@ void append(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& par
             }
             draft.positions.push_back({x(0), x(1), x(2)});
         }
+        std::set<std::string> names{node.mName.C_Str(), mesh.mName.C_Str()};
+        if (mesh.mMaterialIndex < scene.mNumMaterials)
+            names.insert(scene.mMaterials[mesh.mMaterialIndex]->GetName().C_Str());
+        names.erase("");
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];
             if (face.mNumIndices < 3) continue;
             corners.clear();
-            for (unsigned k = 0; k < face.mNumIndices; ++k) corners.push_back(first + face.mIndices[k]);
+            for (unsigned k = 0; k < face.mNumIndices; ++k) {
+                corners.push_back(first + face.mIndices[k]);
+                constexpr double none = std::numeric_limits<double>::quiet_NaN();
+                const aiVector3D* uv = mesh.mTextureCoords[0];
+                draft.uv.push_back(uv ? std::array<double, 2>{uv[face.mIndices[k]].x, uv[face.mIndices[k]].y}
+                                      : std::array<double, 2>{none, none});
+            }
+            for (const std::string& name : names) draft.parts[name].push_back(draft.face_count());
             draft.add_face(corners);
         }
     }
@@ -87,6 +103,12 @@ std::string bytes_of(const MeshDraft& draft) {
     put(bytes, draft.positions);
     put(bytes, draft.corners);
     put(bytes, draft.ends);
+    put(bytes, draft.uv);
+    put(bytes, std::vector<std::size_t>{draft.parts.size()});
+    for (const auto& [name, faces] : draft.parts) {
+        put(bytes, std::vector<char>(name.begin(), name.end()));
+        put(bytes, faces);
+    }
     return bytes + join(draft.notes, "\n");
 }
 
@@ -95,6 +117,14 @@ MeshDraft draft_of(std::string_view bytes) {
     take(bytes, draft.positions);
     take(bytes, draft.corners);
     take(bytes, draft.ends);
+    take(bytes, draft.uv);
+    std::vector<std::size_t> parts;
+    take(bytes, parts);
+    for (std::size_t i = 0; i < parts.at(0); ++i) {
+        std::vector<char> name;
+        take(bytes, name);
+        take(bytes, draft.parts[std::string(name.begin(), name.end())]);
+    }
     if (!bytes.empty()) draft.notes = split(std::string(bytes), '\n');
     return draft;
 }
@@ -154,6 +184,8 @@ MeshDraft import_unguarded(const fs::path& path, const std::string& extension) {
     MeshDraft draft;
     append(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), FilePlace{path}, draft);
     if (extension == ".stl") join_equal_positions(draft);
+    const auto missing = [](const std::array<double, 2>& uv) { return std::isnan(uv[0]); };
+    if (std::all_of(draft.uv.begin(), draft.uv.end(), missing)) draft.uv.clear();
     if (scene.mNumAnimations > 0)
         draft.notes.push_back(plural(scene.mNumAnimations, "animation") +
                               " ignored: the mesh stands still, where its nodes are at rest");

@@ -17,9 +17,6 @@
 
 namespace cloth::pipeline {
 
-/// Rows u v, shape (n, 2): v upwards, an image covers 0 … 1.
-using TexturePoints = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
-
 /// A collider that pictures show, where it stands without keys and spin.
 struct ExportCollider {
     std::string name;

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "base/text.h"
 #include "pipeline/formats/error.h"
@@ -49,6 +52,15 @@ void check_face(const MeshDraft& draft, std::size_t f, const FilePlace& place) {
     }
 }
 
+/// A name that an OBJ can hold.
+std::string plain(std::string name) {
+    for (char& c : name) {
+        const auto code = static_cast<unsigned char>(c);
+        if (code <= ' ' || code == 0x7f || c == '#' || c == '\\') c = '_';
+    }
+    return name;
+}
+
 }  // namespace
 
 void FilePlace::fail(const std::string& message) const {
@@ -74,7 +86,9 @@ LoadedMesh checked_mesh(MeshDraft draft, const fs::path& path, bool faces_wanted
     }
     if (!faces_wanted) return loaded;
     std::vector<std::array<int, 3>> triangles;
-    std::size_t polygons = 0, parts = 0;
+    std::vector<std::array<std::size_t, 3>> corners;  // of each triangle, in the draft
+    std::vector<std::size_t> first_triangle;          // of each face
+    std::size_t polygons = 0, pieces = 0;
     for (std::size_t f = 0; f < draft.face_count(); ++f) {
         const FilePlace place{path, draft.lines.empty() ? 0 : draft.lines[f]};
         check_face(draft, f, place);
@@ -82,23 +96,44 @@ LoadedMesh checked_mesh(MeshDraft draft, const fs::path& path, bool faces_wanted
         const auto vertex = [&](int corner) {
             return static_cast<int>(face[static_cast<std::size_t>(corner)]);
         };
+        const auto add = [&](int a, int b, int c) {
+            const std::size_t first = f == 0 ? 0 : draft.ends[f - 1];
+            const auto corner = [&](int k) { return first + static_cast<std::size_t>(k); };
+            triangles.push_back({vertex(a), vertex(b), vertex(c)});
+            corners.push_back({corner(a), corner(b), corner(c)});
+        };
+        first_triangle.push_back(triangles.size());
         if (face.size() == 3) {
-            triangles.push_back({vertex(0), vertex(1), vertex(2)});
+            add(0, 1, 2);
             continue;
         }
         const auto cut = triangles_of(draft, f, place);
-        for (const auto& [a, b, c] : cut) triangles.push_back({vertex(a), vertex(b), vertex(c)});
+        for (const auto& [a, b, c] : cut) add(a, b, c);
         ++polygons;
-        parts += cut.size();
+        pieces += cut.size();
     }
+    first_triangle.push_back(triangles.size());
     mesh.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         for (std::size_t k = 0; k < 3; ++k)
             mesh.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
     }
+    if (!draft.uv.empty()) {
+        mesh.uv.resize(static_cast<Eigen::Index>(3 * corners.size()), 2);
+        for (std::size_t t = 0; t < corners.size(); ++t)
+            for (std::size_t k = 0; k < 3; ++k)
+                mesh.uv.row(static_cast<Eigen::Index>(3 * t + k)) << draft.uv[corners[t][k]][0],
+                    draft.uv[corners[t][k]][1];
+    }
+    std::map<std::string, std::set<int>> parts;
+    for (const auto& [name, faces] : draft.parts)
+        for (const std::size_t f : faces)
+            for (std::size_t t = first_triangle[f]; t < first_triangle[f + 1]; ++t)
+                parts[plain(name)].insert(static_cast<int>(t));
+    for (const auto& [name, of] : parts) mesh.parts.push_back({name, {of.begin(), of.end()}});
     if (polygons > 0)
         loaded.notes.push_back(fmt::format("{} of more than three corners cut into {} triangles",
-                                           plural(polygons, "face"), parts));
+                                           plural(polygons, "face"), pieces));
     return loaded;
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,10 @@ struct MeshDraft {
     std::vector<std::size_t> ends;      ///< of each face: where its corners end
     std::vector<std::size_t> lines;     ///< of each face; empty where there are none
     std::vector<std::string> notes;     ///< what the file has and a mesh does not
+    /// Texture coordinates of each of `corners`, NaN for one that has none; empty where none has.
+    std::vector<std::array<double, 2>> uv;
+    /// Faces that the file names, rising, by the name of their material, group or object.
+    std::map<std::string, std::vector<std::size_t>> parts;
 
     std::size_t face_count() const { return ends.size(); }
     /// The corners of a face.
@@ -61,12 +66,13 @@ struct MeshOut {
 
     const Points& positions;
     const Triangles& triangles;
-    Points normals{};                                                ///< of unit length, one a vertex
-    Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> uv{};  ///< texture coordinates, one a vertex
-    std::vector<Object> objects{};                                   ///< one behind the other, or none
+    Points normals{};               ///< of unit length, one a vertex
+    TexturePoints uv{};             ///< texture coordinates, one a vertex
+    std::vector<Object> objects{};  ///< one behind the other, or none
 };
 
-/// Cuts polygons into triangles, which a note tells; without `faces_wanted` there are vertices alone. Throws
+/// Cuts polygons into triangles, which a note tells, and writes names of parts with _ for blanks and signs
+/// that an OBJ could not hold; without `faces_wanted` there are vertices alone. Throws
 /// Error(invalid_scene) without vertices or wanted faces, and where one of these has fewer than three
 /// corners, refers to a vertex that is not there or cannot be cut.
 LoadedMesh checked_mesh(MeshDraft draft, const std::filesystem::path& path, bool faces_wanted);

@@ -61,6 +61,7 @@ SceneFile look_of(const SceneFile& file) {
     SceneFile part = file;
     part.scene.simulation = {};
     part.scene.simulation.frame_rate = file.scene.simulation.frame_rate;
+    part.scene.parts.clear();
     part.scene.pins.clear();
     part.scene.seams.clear();
     part.scene.drags.clear();

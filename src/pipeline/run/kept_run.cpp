@@ -42,7 +42,8 @@ void keep_scene(const RunFolder& folder, const SceneFile& file) {
         const std::string key = fmt::format("cloth[{}].", c);
         if (desc.mesh) keep_mesh(key + "mesh", "rest", c, *desc.mesh);
         if (desc.pose)
-            keep_mesh(key + "pose", "pose", c, {*desc.pose, desc.mesh ? desc.mesh->triangles : Triangles()});
+            keep_mesh(key + "pose", "pose", c,
+                      {*desc.pose, desc.mesh ? desc.mesh->triangles : Triangles(), {}, {}});
         if (const auto& image = file.cloth_looks.at(c).material.image) {
             kept[key + "texture"] = fmt::format("textures/cloth_{:06d}.png", c);
             fs::create_directories(folder.textures());

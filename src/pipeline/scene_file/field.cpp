@@ -4,6 +4,7 @@
 
 #include "pipeline/formats/mesh_cache_file.h"
 #include "pipeline/formats/mesh_file.h"
+#include "pipeline/formats/pattern.h"
 
 namespace cloth::pipeline {
 
@@ -72,7 +73,24 @@ void FieldList::operator()(const char* key, std::optional<MeshData>& mesh, const
         return loaded.notes;
     };
     f.content = [&mesh] {
-        return mesh ? bytes_of(mesh->positions) + bytes_of(mesh->triangles) : std::string();
+        if (!mesh) return std::string();
+        std::string bytes = bytes_of(mesh->positions) + bytes_of(mesh->triangles) + bytes_of(mesh->uv);
+        for (const MeshPart& part : mesh->parts) {
+            bytes += part.name + '\0';
+            bytes += bytes_of(Eigen::Map<const Eigen::VectorXi>(
+                part.triangles.data(), static_cast<Eigen::Index>(part.triangles.size())));
+        }
+        return bytes;
+    };
+}
+
+void FieldList::operator()(const char* key, const MeshSource& source, const char* meaning) {
+    (*this)(key, source.mesh, meaning);
+    fields_->back().load = [source, read = fields_->back().load](const std::filesystem::path& path) {
+        if (path.extension() != ".json") return read(path);
+        LoadedMesh loaded = read_pattern(path, source.edge_length.value_or(usual_pattern_edge));
+        source.mesh = std::move(loaded.mesh);
+        return loaded.notes;
     };
 }
 

@@ -122,6 +122,7 @@ class FieldList {
     }
     void operator()(const char* key, std::optional<std::string>& value, Words words, const char* meaning);
     void operator()(const char* key, std::optional<MeshData>& mesh, const char* meaning);
+    void operator()(const char* key, const MeshSource& source, const char* meaning);
     void operator()(const char* key, std::optional<Points>& points, const char* meaning);
     void operator()(const char* key, std::shared_ptr<const render::Image>& image, const char* meaning);
     void operator()(const char* key, std::shared_ptr<const MeshCache>& cache, const char* meaning);

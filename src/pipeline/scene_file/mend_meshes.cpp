@@ -99,6 +99,26 @@ double extent(const ColliderDesc& c) {
     }
 }
 
+/// A sewing pattern's rest shape and seams, as keys of the scene.
+void sew_patterns(Reader& reader, Scene& scene) {
+    for (std::size_t c = 0; c < scene.cloths.size(); ++c) {
+        ClothDesc& cloth = scene.cloths[c];
+        if (!cloth.mesh || !cloth.mesh->pattern) continue;
+        if (!reader.find(entry("cloth", c) + ".rest")) cloth.rest = RestShape::uv;
+        if (cloth.rest == RestShape::uv && !cloth.uv_scale) cloth.uv_scale = 1.0;
+        for (auto& rows : cloth.mesh->stitches) {
+            if (rows[0].empty()) continue;
+            SeamDesc& seam = scene.seams.emplace_back();
+            for (std::size_t side = 0; side < 2; ++side) {
+                seam.sides[side].cloth = static_cast<int>(c);
+                seam.sides[side].vertices = std::move(rows[side]);
+            }
+        }
+        cloth.mesh->pattern = false;
+        cloth.mesh->stitches.clear();
+    }
+}
+
 }  // namespace
 
 void mend_meshes(Reader& reader, SceneFile& file) {
@@ -155,6 +175,7 @@ void mend_meshes(Reader& reader, SceneFile& file) {
         }
         if (mended) check_seam(reader, seam, key);
     }
+    sew_patterns(reader, scene);
 }
 
 void note_sizes(SceneFile& file) {

@@ -189,6 +189,7 @@ void describe(V& v, SceneFile& f) {
     v.table("simulation", f.scene.simulation);
     v.table("air", f.scene.simulation.air);
     v.list("cloth", f.scene.cloths, f.looks.cloths);
+    v.list("part", f.scene.parts);
     v.list("collider", f.scene.colliders, f.looks.colliders);
     v.list("pin", f.scene.pins);
     v.list("seam", f.scene.seams);

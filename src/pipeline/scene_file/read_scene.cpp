@@ -1,5 +1,6 @@
 #include "pipeline/scene_file/read_scene.h"
 
+#include "pipeline/formats/arcsim_fabric.h"
 #include "pipeline/scene_file/fabric_list.h"
 #include "pipeline/scene_file/picture_schema.h"
 #include "pipeline/scene_file/tables.h"
@@ -41,24 +42,37 @@ void number_names(std::vector<Desc>& descs) {
     for (std::size_t i = 0; i < descs.size(); ++i) descs[i].name += std::to_string(i);
 }
 
-Fabric named_fabric(Reader& reader, const toml::node& name, const std::string& key) {
-    if (!name.is_string()) reader.fail(key, "is " + type_name(name) + "; must be a fabric's name");
+Fabric named_fabric(Reader& reader, SceneFile& file, const toml::node& name, const std::string& key) {
+    if (!name.is_string())
+        reader.fail(key, "is " + type_name(name) + "; must be a fabric's name, or the name of its file");
     const std::string text = *name.value<std::string>();
+    if (text.ends_with(".json")) {
+        const std::filesystem::path path = reader.find_file(text);
+        try {
+            LoadedFabric loaded = read_arcsim_fabric(path);
+            for (const std::string& note : loaded.notes)
+                file.notes.push_back(fmt::format("{}: {}: {}", key, path.string(), note));
+            return loaded.fabric;
+        } catch (const std::runtime_error& error) {
+            reader.fail(key, error.what());
+        }
+    }
     if (const NamedFabric* found = find_fabric(text)) return found->fabric;
     reader.fail(key, unknown_fabric(text));
 }
 
-/// fabric = "cotton", or a table, which begins with a base = "cotton" or with the struct's values.
-void read_fabric(Reader& reader, const toml::node& node, const Table& at, Fabric& f) {
+/// fabric = "cotton" or "measured.json", or a table, which begins with such a base or with the struct's
+/// values.
+void read_fabric(Reader& reader, SceneFile& file, const toml::node& node, const Table& at, Fabric& f) {
     if (node.is_string()) {
-        f = named_fabric(reader, node, at.path);
+        f = named_fabric(reader, file, node, at.path);
         return;
     }
     if (!node.is_table()) {
         reader.fail(at.path, "is " + type_name(node) + "; must be a fabric's name or a table");
     }
     const toml::table& table = *node.as_table();
-    f = table.contains("base") ? named_fabric(reader, *table.get("base"), at.path + ".base") : Fabric{};
+    f = table.contains("base") ? named_fabric(reader, file, *table.get("base"), at.path + ".base") : Fabric{};
     reader.read(table, at.path, at.fields, {"base"});
     // What the table changes leaves parts of its base without a meaning.
     const auto drop = [&](const char* name, auto& value) {
@@ -100,13 +114,14 @@ void read_scene(Reader& reader, SceneFile& file) {
     number_names(file.scene.cloths);
     number_names(file.scene.colliders);
 
-    std::size_t cloth = 0;
+    std::size_t cloth = 0, part = 0;
     const Tables tables = tables_of(file, file.files);
     for (const Table& table : tables) {
         const toml::node* node = table.path.empty() ? &root : reader.find(table.path);
-        if (table.name == "cloth.fabric") {
-            if (node) read_fabric(reader, *node, table, file.scene.cloths[cloth].fabric);
-            ++cloth;
+        if (table.name == "cloth.fabric" || table.name == "part.fabric") {
+            Fabric& fabric = table.name.starts_with("cloth") ? file.scene.cloths[cloth++].fabric
+                                                             : file.scene.parts[part++].fabric;
+            if (node) read_fabric(reader, file, *node, table, fabric);
             continue;
         }
         if (table.name.starts_with("seam.")) {

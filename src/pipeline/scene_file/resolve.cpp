@@ -11,6 +11,7 @@
 #include "sim/model/possible.h"
 #include "sim/motion/mesh_cache.h"
 #include "sim/scene/mesh.h"
+#include "sim/scene/rest_shape.h"
 
 namespace cloth::pipeline {
 namespace {
@@ -43,6 +44,9 @@ void check_cloth_keys(Reader& reader, const std::string& cloth, const ClothLookD
     if (given("units") && !mesh && !given("pose"))
         refuse("units", "belongs to a mesh or pose; sizes in a scene are in metres");
     if (given("weld") && !mesh) refuse("weld", "belongs to a mesh; other shapes have no doubled vertices");
+    if (given("edge_length") && !mesh)
+        refuse("edge_length", "belongs to a sewing pattern; name its file with mesh");
+    if (given("rest") && !mesh) refuse("rest", "belongs to a mesh; other shapes have no texture coordinates");
     if (mesh && disc) refuse("radius", "belongs to a disc, but the cloth has a mesh; give one of the two");
     if (given("texture") && given("pattern"))
         refuse("pattern", "stands beside texture, which takes its place; give one or the other");
@@ -200,7 +204,7 @@ void check_scene(const Scene& scene, const std::vector<MeshData>& rest, double l
     require_reachable_pins(scene, rest, last);
     const auto selected = [&](const VertexSelection& selection, int cloth, const std::string& key) {
         const ClothDesc& c = scene.cloths[cloth];
-        return select_vertices(selection, start_positions(c, rest[cloth]), key, c.rest_grid()).size();
+        return select_vertices(selection, c, rest[cloth], start_positions(c, rest[cloth]), key).size();
     };
     for (std::size_t i = 0; i < scene.seams.size(); ++i) {
         const auto& [first, second] = scene.seams[i].sides;
@@ -220,6 +224,7 @@ std::vector<MeshData> checked_rest_shapes(const Scene& scene) {
     for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
         rest.push_back(rest_shape(scene.cloths[i]));
         if (scene.cloths[i].mesh) check_cloth_mesh(rest.back(), entry("cloth", i) + ".mesh");
+        if (scene.cloths[i].rest == RestShape::uv) check_uv(rest.back(), entry("cloth", i) + ".rest");
     }
     return rest;
 }

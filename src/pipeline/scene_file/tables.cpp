@@ -67,6 +67,8 @@ SceneFile scene_of_each() {
     SceneFile file;
     file.scene.cloths.resize(1);
     file.scene.cloths[0].fabric = {};  // what a table of numbers begins with
+    file.scene.parts.resize(1);
+    file.scene.parts[0].fabric = {};
     file.scene.colliders.resize(1);
     file.scene.pins.resize(1);
     file.scene.seams.resize(1);

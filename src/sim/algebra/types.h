@@ -24,5 +24,7 @@ using VecRef = Eigen::Ref<const Eigen::VectorXd>;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// Rows of points, shape (n, 3) [m].
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+/// Rows of texture coordinates u v, shape (n, 2): v upwards, an image covers 0 … 1.
+using TexturePoints = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 }  // namespace cloth

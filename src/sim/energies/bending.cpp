@@ -11,9 +11,13 @@
 namespace cloth {
 namespace {
 
-/// Far corner of the triangle across each edge: [t][i] lies opposite to corner i; -1 at the rim.
-std::vector<std::array<int, 3>> find_neighbours(const Triangles& triangles) {
-    std::vector<std::array<int, 3>> far(triangles.rows(), {-1, -1, -1});
+/// The triangle across an edge, and its corner (0, 1, 2) that lies opposite to the edge; -1 at the rim.
+struct Across {
+    int triangle = -1, corner = -1;
+};
+/// [t][i]: across the edge opposite to corner i.
+std::vector<std::array<Across, 3>> find_neighbours(const Triangles& triangles) {
+    std::vector<std::array<Across, 3>> far(triangles.rows());
     std::map<std::array<int, 2>, std::array<int, 2>> open;  // sorted edge → (triangle, corner opposite)
     for (int t = 0; t < triangles.rows(); ++t) {
         for (int i = 0; i < 3; ++i) {
@@ -22,8 +26,8 @@ std::vector<std::array<int, 3>> find_neighbours(const Triangles& triangles) {
             const auto [first, inserted] = open.emplace(edge, std::array<int, 2>{t, i});
             if (inserted) continue;
             const auto [other, corner] = first->second;
-            far[t][i] = triangles(other, corner);
-            far[other][corner] = triangles(t, i);
+            far[t][i] = {other, corner};
+            far[other][corner] = {t, i};
         }
     }
     return far;
@@ -67,13 +71,13 @@ Mat3 cross_matrix(const Vec3& a) {
 
 }  // namespace
 
-std::vector<BendingPatch> make_bending_patches(const Points& rest, const Triangles& triangles,
+std::vector<BendingPatch> make_bending_patches(const Points& corners, const Triangles& triangles,
                                                const Vec3& warp) {
     const auto far = find_neighbours(triangles);
     std::vector<BendingPatch> patches;
     for (int t = 0; t < triangles.rows(); ++t) {
         std::array<Vec3, 3> X;
-        for (int i = 0; i < 3; ++i) X[i] = rest.row(triangles(t, i));
+        for (int i = 0; i < 3; ++i) X[i] = corners.row(3 * t + i);
         const RestFrame frame = make_rest_frame(X[0], X[1], X[2], warp);
         std::array<Vec2, 3> p;
         for (int i = 0; i < 3; ++i) p[i] = frame.in_plane(X[i] - X[0]);
@@ -91,22 +95,31 @@ std::vector<BendingPatch> make_bending_patches(const Points& rest, const Triangl
             const Vec2 n(along.y() / length, -along.x() / length);  // outward: a → b runs counter-clockwise
             const Vec3 nn(n.x() * n.x(), n.x() * n.y(), n.y() * n.y());
             patch.vertices[i] = triangles(t, i);
-            patch.vertices[3 + i] = far[t][i] >= 0 ? far[t][i] : triangles(t, i);
-            if (far[t][i] < 0) {
+            const auto [other, corner] = far[t][i];
+            patch.vertices[3 + i] = other >= 0 ? triangles(other, corner) : triangles(t, i);
+            if (other < 0) {
                 patch.rim.col(i) = nn;
                 continue;
             }
-            const Vec3 x_far = rest.row(far[t][i]);
-            const Unfolded u = unfold(X[a], X[b], x_far);
+            // The edge as the neighbour has it, which at a seam is another.
+            const auto theirs = [&](int vertex) {
+                const int k = triangles(other, (corner + 1) % 3) == vertex ? 1 : 2;
+                return Vec3(corners.row(3 * other + (corner + k) % 3));
+            };
+            const Vec3 x_far = corners.row(3 * other + corner), their_a = theirs(triangles(t, a)),
+                       their_b = theirs(triangles(t, b));
+            const bool shared = their_a == X[a] && their_b == X[b];
+            Unfolded u = unfold(their_a, their_b, x_far);
+            if (!shared) u.along += 0.5 * (length - (their_b - their_a).norm());
             const double own_height = 2.0 * patch.area / length;
             patch.fold_weights.col(i) = 2.0 / (own_height + u.across) * nn;
             const Vec2 q = p[a] + u.along / length * along + u.across * n;
-            Mat3 corners;
-            for (int k = 0; k < 3; ++k) corners.col(k) << p[k].x(), p[k].y(), 1.0;
-            const Vec3 lambda = corners.inverse() * Vec3(q.x(), q.y(), 1.0);
+            Mat3 places;
+            for (int k = 0; k < 3; ++k) places.col(k) << p[k].x(), p[k].y(), 1.0;
+            const Vec3 lambda = places.inverse() * Vec3(q.x(), q.y(), 1.0);
             patch.offsets(i, 3 + i) = 1.0 / u.across;
             for (int k = 0; k < 3; ++k) patch.offsets(i, k) = -lambda(k) / u.across;
-            patch.rest_folds(i) = hinge_fold(X[a], X[b], X[i], x_far);
+            if (shared) patch.rest_folds(i) = hinge_fold(X[a], X[b], X[i], x_far);
         }
         patches.push_back(patch);
     }

@@ -48,8 +48,10 @@ struct BendingPatch {
     Vec3 rest_folds;                      ///< 2 tan(θ_i/2) at rest
 };
 
-/// Patches of all triangles. A curved rest shape is unfolded across each edge. `warp`: see make_rest_frame().
-std::vector<BendingPatch> make_bending_patches(const Points& rest, const Triangles& triangles,
+/// Patches of all triangles; `corners`: each one's own rest shape, see rest_corners(). A curved rest shape is
+/// unfolded across each edge; one that neighbours do not share, at a seam, is laid edge to edge, middle to
+/// middle, and rests flat there. `warp`: see make_rest_frame().
+std::vector<BendingPatch> make_bending_patches(const Points& corners, const Triangles& triangles,
                                                const Vec3& warp);
 
 /// Rigidity over (κ11, κ12, κ22): diag(D_warp, 2H, D_weft) [N m]. Without a bias of its own H = √(D_warp

@@ -37,10 +37,16 @@ const VertexFieldName& name_of(VertexField field) {
 }
 
 VertexFields::VertexFields(const Model& model) : model_(model), densities_(model.vertex_count()) {
-    patches_ = make_bending_patches(model.rest_positions, model.triangles, Vec3::UnitX());
-    for (std::size_t c = 0; c < model.cloths.size(); ++c)
-        densities_.segment(model.cloths[c].first_vertex, model.cloths[c].vertex_count)
-            .setConstant(model.scene.cloths[c].fabric.density);
+    patches_ = make_bending_patches(model.rest_corners, model.triangles, Vec3::UnitX());
+    VecX areas = VecX::Zero(model.vertex_count());
+    densities_.setZero();
+    for (int t = 0; t < model.triangle_count(); ++t) {
+        for (int k = 0; k < 3; ++k) {
+            areas(model.triangles(t, k)) += model.triangle_areas(t);
+            densities_(model.triangles(t, k)) += model.triangle_areas(t) * model.fabric(t).density;
+        }
+    }
+    densities_.array() /= areas.array();
     for (const ColliderDesc& collider : model.scene.colliders) shapes_.push_back(make_shape(collider));
 }
 

@@ -19,23 +19,23 @@ MotionKey motion_at(const std::vector<MotionKey>& path, double time) {
     return path.back();
 }
 
+std::vector<Vec3> PinGroup::places(double time) const {
+    if (carrier) return carrier->places(time);
+    if (path.empty()) return start;
+    const MotionKey key = motion_at(path, time);
+    const Mat3 R = rotation_matrix(key.rotate);
+    std::vector<Vec3> all;
+    for (const Vec3& p : start) all.push_back(center + R * (p - center) + key.translate);
+    return all;
+}
+
 std::vector<Pin> pins_of_step(const std::vector<PinGroup>& groups, double start, double end) {
     constexpr double slack = 1e-9;  // a pin that lets go at 0.3 misses the step from 0.29999999999999998
     std::vector<Pin> pins;
     for (const PinGroup& group : groups) {
         if (group.until && start >= *group.until - slack) continue;
-        if (group.path.empty()) {
-            for (std::size_t i = 0; i < group.vertices.size(); ++i) {
-                pins.push_back({group.vertices[i], group.start[i]});
-            }
-            continue;
-        }
-        const MotionKey key = motion_at(group.path, end);
-        const Mat3 R = rotation_matrix(key.rotate);
-        for (std::size_t i = 0; i < group.vertices.size(); ++i) {
-            pins.push_back(
-                {group.vertices[i], group.center + R * (group.start[i] - group.center) + key.translate});
-        }
+        const std::vector<Vec3> places = group.places(end);
+        for (std::size_t i = 0; i < places.size(); ++i) pins.push_back({group.vertices[i], places[i]});
     }
     std::stable_sort(pins.begin(), pins.end(),
                      [](const Pin& a, const Pin& b) { return a.vertex < b.vertex; });

@@ -1,10 +1,12 @@
 #pragma once
 // Vertices that are held, and where they are held at a time.
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "sim/algebra/types.h"
+#include "sim/motion/carrier.h"
 #include "sim/scene/scene.h"
 
 namespace cloth {
@@ -15,7 +17,12 @@ struct PinGroup {
     std::vector<Vec3> start;  ///< where each stands at the start [m]
     Vec3 center;              ///< of the turns [m]
     std::vector<MotionKey> path;
-    std::optional<double> until;  ///< [s]
+    std::optional<double> until;               ///< [s]
+    std::shared_ptr<const Carrier> carrier{};  ///< of vertices that a collider carries, else null
+
+    bool moves() const { return carrier || !path.empty(); }
+    /// Where its vertices are at `time` [s], one each [m].
+    std::vector<Vec3> places(double time) const;
 };
 
 /// A vertex and the place where it is held [m].

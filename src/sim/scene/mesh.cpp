@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "base/portable_math.h"
+#include "sim/scene/rest_shape.h"
 
 namespace cloth {
 namespace {
@@ -85,7 +86,11 @@ MeshData make_disc(const Disc& disc) {
 }
 
 MeshData rest_shape(const ClothDesc& cloth) {
-    if (cloth.mesh) return {in_metres(cloth.mesh->positions, cloth.units), cloth.mesh->triangles};
+    if (cloth.mesh) {
+        MeshData mesh = *cloth.mesh;
+        mesh.positions = in_metres(mesh.positions, cloth.units);
+        return mesh;
+    }
     return cloth.disc ? make_disc(*cloth.disc) : make_grid(cloth.grid);
 }
 
@@ -165,6 +170,8 @@ void settle_lengths(Scene& scene, const std::vector<MeshData>& rest) {
         const double length = usual_length(usual, rest[c]);
         least = std::min(least, length);
         if (!scene.cloths[c].contact_thickness) scene.cloths[c].contact_thickness = length;
+        if (scene.cloths[c].rest == RestShape::uv && !scene.cloths[c].uv_scale)
+            scene.cloths[c].uv_scale = natural_uv_scale(rest[c]);
     }
     if (!scene.simulation.contact_activation) scene.simulation.contact_activation = least;
 }

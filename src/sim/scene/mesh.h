@@ -32,7 +32,8 @@ Points start_positions(const ClothDesc& cloth, const MeshData& rest);
 /// ten-thousandth of the diagonal of the rest shape's box [m].
 double usual_length(double usual, const MeshData& rest);
 
-/// Gives each contact_thickness and contact_activation that is not said its value; `rest`: one per cloth.
+/// Gives each contact_thickness, uv_scale and contact_activation that is not said its value; `rest`: one per
+/// cloth.
 void settle_lengths(Scene& scene, const std::vector<MeshData>& rest);
 
 /// Rotation about the fixed x, then y, then z axis by degrees; exact for multiples of 90.

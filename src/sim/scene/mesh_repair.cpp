@@ -179,6 +179,7 @@ int face_one_way(MeshData& mesh) {
         for (const int t : piece) {
             if (facing[static_cast<std::size_t>(t)] != wrong) continue;
             std::swap(mesh.triangles(t, 1), mesh.triangles(t, 2));
+            if (mesh.uv.rows() > 0) mesh.uv.row(3 * t + 1).swap(mesh.uv.row(3 * t + 2));
             ++turned;
         }
     }
@@ -200,6 +201,8 @@ MeshRepair repair_cloth_mesh(const MeshData& mesh, const Points* pose, bool weld
     if (!weld) std::iota(first.begin(), first.end(), 0);
 
     std::vector<std::array<int, 3>> kept;
+    std::vector<int> triangle_of(static_cast<std::size_t>(mesh.triangles.rows()), -1);
+    std::vector<int> given_corners;  // of the triangles kept
     std::set<std::array<int, 3>> seen;
     std::vector<bool> used(first.size(), false);
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
@@ -213,6 +216,8 @@ MeshRepair repair_cloth_mesh(const MeshData& mesh, const Points* pose, bool weld
         } else if (!seen.insert(sorted).second) {
             ++repair.repeated;
         } else {
+            triangle_of[static_cast<std::size_t>(t)] = static_cast<int>(kept.size());
+            for (int k = 0; k < 3; ++k) given_corners.push_back(static_cast<int>(3 * t) + k);
             kept.push_back(corners);
             for (const int v : corners) used[static_cast<std::size_t>(v)] = true;
         }
@@ -236,6 +241,26 @@ MeshRepair repair_cloth_mesh(const MeshData& mesh, const Points* pose, bool weld
         for (std::size_t k = 0; k < 3; ++k)
             repair.mesh.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) =
                 repair.vertex_of[static_cast<std::size_t>(kept[t][k])];
+    }
+    if (mesh.uv.rows() > 0) repair.mesh.uv = mesh.uv(given_corners, Eigen::all);
+    for (const MeshPart& part : mesh.parts) {
+        MeshPart own{part.name, {}};
+        for (const int t : part.triangles) {
+            if (triangle_of[static_cast<std::size_t>(t)] >= 0)
+                own.triangles.push_back(triangle_of[static_cast<std::size_t>(t)]);
+        }
+        if (!own.triangles.empty()) repair.mesh.parts.push_back(std::move(own));
+    }
+    repair.mesh.pattern = mesh.pattern;
+    for (const auto& [first_row, second_row] : mesh.stitches) {
+        std::array<std::vector<int>, 2>& row = repair.mesh.stitches.emplace_back();
+        for (std::size_t k = 0; k < first_row.size(); ++k) {
+            const int a = repair.vertex_of[static_cast<std::size_t>(first_row[k])],
+                      b = repair.vertex_of[static_cast<std::size_t>(second_row[k])];
+            if (a < 0 || b < 0 || a == b) continue;  // loose, or one already
+            row[0].push_back(a);
+            row[1].push_back(b);
+        }
     }
     repair.turned = face_one_way(repair.mesh);
     return repair;

@@ -158,6 +158,16 @@ void validate_fabric(const Fabric& f, const std::string& key) {
     }
 }
 
+/// Every fabric of the scene and its key.
+std::vector<std::pair<std::string, const Fabric*>> fabrics_of(const Scene& scene) {
+    std::vector<std::pair<std::string, const Fabric*>> all;
+    for (std::size_t i = 0; i < scene.cloths.size(); ++i)
+        all.emplace_back(item("cloth", i, "fabric"), &scene.cloths[i].fabric);
+    for (std::size_t i = 0; i < scene.parts.size(); ++i)
+        all.emplace_back(item("part", i, "fabric"), &scene.parts[i].fabric);
+    return all;
+}
+
 /// The velocity filter moves cloth after a step has been solved, by which it may pass a limit.
 void validate_strain_limits(const Scene& scene) {
     if (scene.simulation.contact != ContactKind::velocity_filter) return;
@@ -167,9 +177,9 @@ void validate_strain_limits(const Scene& scene) {
             return e.collider && static_cast<std::size_t>(*e.collider) == k;
         });
         if (!collider.touchable || !(collider.enabled || switched)) continue;
-        for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
-            const auto& limit = scene.cloths[i].fabric.strain_limit;
-            require(!limit, item("cloth", i, "fabric.strain_limit"),
+        for (const auto& [key, fabric] : fabrics_of(scene)) {
+            const auto& limit = fabric->strain_limit;
+            require(!limit, key + ".strain_limit",
                     "is " + number_text(limit.value_or(0.0)) +
                         " beside simulation.contact = \"velocity_filter\" and " + item("collider", k) +
                         ", \"" + collider.name +
@@ -193,8 +203,8 @@ void validate_integrators(const Scene& scene) {
         "is \"barrier\", which needs integrator = \"implicit_euler\" or \"tr_bdf2\" throughout: the others "
         "end a step where nothing has looked for collisions; they go with \"penalty\" or "
         "\"velocity_filter\"");
-    for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
-        require(!scene.cloths[i].fabric.strain_limit, item("cloth", i, "fabric.strain_limit"),
+    for (const auto& [key, fabric] : fabrics_of(scene)) {
+        require(!fabric->strain_limit, key + ".strain_limit",
                 "needs integrator = \"implicit_euler\" or \"tr_bdf2\" throughout; set it to 0 to leave the "
                 "limit out");
     }
@@ -212,7 +222,9 @@ void validate_cloth(const ClothDesc& c, std::size_t i) {
         require(c.pose->allFinite(), item("cloth", i, "pose"), "has coordinates that are not finite");
     }
     require(c.warp.norm() > 0.0, item("cloth", i, "warp"), "is zero; must point along the rest shape");
-    validate_fabric(c.fabric, item("cloth", i, "fabric"));
+    require(c.rest == RestShape::mesh || c.mesh, item("cloth", i, "rest"),
+            "is \"uv\", which belongs to a mesh; other shapes have no texture coordinates");
+    require(!c.uv_scale || c.rest == RestShape::uv, item("cloth", i, "uv_scale"), "belongs to rest = \"uv\"");
 }
 
 void validate_motion(const std::vector<MotionKey>& path, const std::string& key) {
@@ -261,8 +273,8 @@ void validate_collider(const ColliderDesc& c, std::size_t i, bool barrier) {
 
 void validate_selection(const VertexSelection& s, const std::string& key) {
     const int selections = !s.vertices.empty() + s.box.has_value() + s.nearest.has_value() +
-                           s.greatest.has_value() + s.edge.has_value();
-    require(selections == 1, key, "give exactly one of vertices, box, nearest, greatest, edge");
+                           s.greatest.has_value() + s.edge.has_value() + s.part.has_value();
+    require(selections == 1, key, "give exactly one of vertices, box, nearest, greatest, edge, part");
     if (s.box) {
         require(((*s.box)[0].array() <= (*s.box)[1].array()).all(), key + ".box",
                 "has a lower corner above its upper one");
@@ -273,10 +285,16 @@ void validate_cloth_index(int cloth, const std::string& key, std::size_t cloths)
     require(cloth >= 0 && static_cast<std::size_t>(cloth) < cloths, key, "there is no such cloth");
 }
 
-void validate_pin(const PinDesc& p, std::size_t i, std::size_t cloths) {
-    validate_cloth_index(p.cloth, item("pin", i, "cloth"), cloths);
+void validate_pin(const PinDesc& p, std::size_t i, const Scene& scene) {
+    validate_cloth_index(p.cloth, item("pin", i, "cloth"), scene.cloths.size());
     validate_selection(p, item("pin", i));
     validate_motion(p.path, item("pin", i, "path"));
+    if (!p.collider) return;
+    require(*p.collider >= 0 && static_cast<std::size_t>(*p.collider) < scene.colliders.size(),
+            item("pin", i, "collider"), "there is no such collider");
+    for (const char* key : {"path", "center"})
+        require(key == std::string("path") ? p.path.empty() : !p.center, item("pin", i, key),
+                "stands beside collider, whose motion the pin follows; give one of the two");
 }
 
 void validate_seam(const SeamDesc& s, std::size_t i, std::size_t cloths) {
@@ -343,10 +361,13 @@ void validate(const Scene& scene) {
     validate_simulation(scene.simulation);
     require(!scene.cloths.empty(), "cloth", "the scene has no [[cloth]]");
     for (std::size_t i = 0; i < scene.cloths.size(); ++i) validate_cloth(scene.cloths[i], i);
+    for (std::size_t i = 0; i < scene.parts.size(); ++i)
+        validate_cloth_index(scene.parts[i].cloth, item("part", i, "cloth"), scene.cloths.size());
+    for (const auto& [key, fabric] : fabrics_of(scene)) validate_fabric(*fabric, key);
     const bool barrier = scene.simulation.contact == ContactKind::barrier;
     for (std::size_t i = 0; i < scene.colliders.size(); ++i)
         validate_collider(scene.colliders[i], i, barrier);
-    for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene.pins[i], i, scene.cloths.size());
+    for (std::size_t i = 0; i < scene.pins.size(); ++i) validate_pin(scene.pins[i], i, scene);
     for (std::size_t i = 0; i < scene.seams.size(); ++i) {
         validate_seam(scene.seams[i], i, scene.cloths.size());
     }

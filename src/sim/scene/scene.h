@@ -87,10 +87,29 @@ struct Disc {
     int rings = 20;
 };
 
+/// Triangles that a file gives a name: those of a material, a group or an object.
+struct MeshPart {
+    std::string name;
+    std::vector<int> triangles;  ///< sorted
+};
+
 /// Vertices and triangles as a file gave them, of clothes mended (mesh_repair.h); their order is kept.
 struct MeshData {
     Points positions;     ///< shape (n, 3), in the unit that the cloth or collider names
     Triangles triangles;  ///< shape (m, 3)
+    /// Texture coordinates of corner k of triangle t in row 3t + k, shape (3m, 2); NaN where the file has
+    /// none for it, no rows where it has none at all.
+    TexturePoints uv{};
+    std::vector<MeshPart> parts{};  ///< sorted by name
+    /// Of a sewing pattern: texture coordinates are metres, and rows of vertices are to be sewn together.
+    bool pattern = false;
+    std::vector<std::array<std::vector<int>, 2>> stitches{};
+};
+
+/// What a cloth of a mesh is like at rest.
+enum class RestShape {
+    mesh,  ///< as the mesh stands
+    uv,    ///< each triangle as its texture coordinates have it, as a pattern is cut
 };
 
 /// Where a mesh's vertices are over time, as a file gave it.
@@ -132,6 +151,11 @@ struct ClothDesc {
     Grid grid;                     ///< rest shape, unless `disc` or `mesh` is given
     std::optional<Disc> disc;      ///< rest shape
     std::optional<MeshData> mesh;  ///< rest shape; may be curved
+    /// Of a sewing pattern: usual length of the triangles' edges [m].
+    std::optional<double> edge_length;
+    RestShape rest = RestShape::mesh;
+    /// Of RestShape::uv: a unit of texture coordinates [m]; default: natural_uv_scale(), rest_shape.h.
+    std::optional<double> uv_scale;
     std::optional<Points>
         pose;  ///< start positions before `transform`, shape (n, 3), in `units`; default: rest shape
     LengthUnit units = LengthUnit::metre;  ///< of the coordinates in `mesh` and `pose`
@@ -148,6 +172,13 @@ struct ClothDesc {
 
     /// The grid where it is the rest shape, else null.
     const Grid* rest_grid() const { return disc || mesh ? nullptr : &grid; }
+};
+
+/// A part of a cloth's mesh that is of a fabric of its own.
+struct PartDesc {
+    int cloth = 0;
+    std::string name;                  ///< of a MeshPart
+    Fabric fabric = default_fabric();  ///< but for friction, which is the cloth's
 };
 
 enum class Shape { sphere, plane, box, capsule, cylinder, mesh };
@@ -200,12 +231,15 @@ struct VertexSelection {
     std::optional<Vec3> nearest;             ///< the vertex nearest this point [m]
     std::optional<std::string> greatest;     ///< "x", "y", "z", "-x", …: within tolerance of the extreme
     std::optional<std::string> edge;         ///< of a grid: "left", "right", "bottom", "top"
+    std::optional<std::string> part;         ///< of a mesh: the corners of a MeshPart
     double tolerance = 1e-3;                 ///< for `greatest` [m]
 };
 
-/// Holds vertices where they start, or moves them along keys.
+/// Holds vertices where they start, or moves them along keys or with a collider.
 struct PinDesc : VertexSelection {
     int cloth = 0;
+    /// Index into Scene::colliders: the vertices go where it carries them, as a waistband does.
+    std::optional<int> collider;
     std::vector<MotionKey> path;  ///< linear between keys, constant outside; empty: at rest
     std::optional<Vec3> center;   ///< of the turns [m]; default: the mean of the vertices held
     std::optional<double> until;  ///< lets go at this time [s]
@@ -333,6 +367,7 @@ struct Scene {
     std::string name;
     SimulationDesc simulation;
     std::vector<ClothDesc> cloths;
+    std::vector<PartDesc> parts;
     std::vector<ColliderDesc> colliders;
     std::vector<PinDesc> pins;
     std::vector<SeamDesc> seams;

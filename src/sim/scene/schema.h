@@ -115,6 +115,7 @@ inline constexpr EnumName<MembraneKind> membrane_names[] = {
     {MembraneKind::neo_hookean, "neo_hookean"}};
 inline constexpr EnumName<BendingKind> bending_names[] = {{BendingKind::quadratic, "quadratic"},
                                                           {BendingKind::hinges, "hinges"}};
+inline constexpr EnumName<RestShape> rest_names[] = {{RestShape::mesh, "mesh"}, {RestShape::uv, "uv"}};
 inline constexpr EnumName<Diagonals> diagonal_names[] = {{Diagonals::uniform, "uniform"},
                                                          {Diagonals::mirrored, "mirrored"},
                                                          {Diagonals::alternating, "alternating"}};
@@ -147,6 +148,9 @@ constexpr std::span<const EnumName<MembraneKind>> names_of(MembraneKind) {
 }
 constexpr std::span<const EnumName<BendingKind>> names_of(BendingKind) {
     return bending_names;
+}
+constexpr std::span<const EnumName<RestShape>> names_of(RestShape) {
+    return rest_names;
 }
 constexpr std::span<const EnumName<Diagonals>> names_of(Diagonals) {
     return diagonal_names;
@@ -209,6 +213,12 @@ struct Reference {
 struct IntegratorChange {
     bool& toggle;
     std::optional<IntegratorKind>& integrator;
+};
+
+/// A cloth's mesh and, of a sewing pattern, the usual length of its edges.
+struct MeshSource {
+    std::optional<MeshData>& mesh;
+    const std::optional<double>& edge_length;
 };
 
 // ---------------------------------------------------------------- keys
@@ -302,11 +312,20 @@ void describe(V& v, ClothDesc& c) {
     v("radius", inside(c.disc, &Disc::radius), "m", ranges::length, "of a disc, instead of a grid");
     v("rings", inside(c.disc, &Disc::rings), "", range(1, 1000),
       "of a disc: rings of vertices around the middle one");
-    v("mesh", c.mesh, "rest shape, instead of a grid or disc");
+    v("mesh", MeshSource{c.mesh, c.edge_length},
+      "rest shape, instead of a grid or disc: a mesh, or a sewing pattern in GarmentCode's JSON");
+    v("edge_length", c.edge_length, "m", ranges::length,
+      "of a sewing pattern: usual length of the triangles' edges; default: 0.02");
     v("pose", c.pose, "mesh of the start positions; default: the rest shape");
     v.when(c.mesh || c.pose, [&] { v("units", c.units, "of the coordinates in mesh and pose; default: m"); });
-    v.when(c.mesh.has_value(),
-           [&] { v("weld", c.weld, "of a mesh: vertices at one place become one; default: true"); });
+    v.when(c.mesh.has_value(), [&] {
+        v("weld", c.weld, "of a mesh: vertices at one place become one; default: true");
+        v("rest", c.rest,
+          "of a mesh: uv: each triangle is at rest as its texture coordinates have it, as a pattern is cut; "
+          "default: mesh");
+    });
+    v("uv_scale", c.uv_scale, "m", ranges::length,
+      "of rest = \"uv\": a unit of texture coordinates; default: as large as the mesh");
     v("scale", c.transform.scale, "", range(1e-6, 1e6), "of the start pose");
     v("rotate", c.transform.rotate, "degree", ranges::turn,
       "of the start pose, about fixed x, then y, then z");
@@ -318,6 +337,13 @@ void describe(V& v, ClothDesc& c) {
       "of contact = \"barrier\": of the sheet as others feel it; default: 1 mm, but at most a hundredth and "
       "at least a ten-thousandth of the diagonal of the rest shape's box");
     v.table("fabric", c.fabric);
+}
+
+template <class V>
+void describe(V& v, PartDesc& p) {
+    v("cloth", Reference{Listed::cloth, &p.cloth}, "that it is of");
+    v("name", p.name, "of a material, group or object in the cloth's mesh file");
+    v.table("fabric", p.fabric);
 }
 
 /// A key frame of a path; lists of them are one value.
@@ -374,6 +400,7 @@ void describe(V& v, VertexSelection& s) {
     v("nearest", s.nearest, "m", ranges::place, "the vertex nearest this point of the start pose");
     v("greatest", s.greatest, directions, "the vertices furthest that way");
     v("edge", s.edge, grid_edges, "of a grid");
+    v("part", s.part, "of a mesh: a material, group or object of its file");
     v("tolerance", s.tolerance, "m", ranges::distance, "of greatest");
 }
 
@@ -382,6 +409,7 @@ void describe(V& v, PinDesc& p) {
     v("cloth", Reference{Listed::cloth, &p.cloth}, "that it holds");
     describe(v, static_cast<VertexSelection&>(p));
     v("path", p.path, "in s, m, degree: moves the vertices");
+    v("collider", Reference{Listed::collider, nullptr, &p.collider}, "that carries the vertices with it");
     v("center", p.center, "m", ranges::place, "of rotate; default: the mean of the vertices");
     v("until", p.until, "s", ranges::duration, "lets go then; default: never");
 }
@@ -426,6 +454,7 @@ void describe(V& v, Scene& s) {
     v.table("simulation", s.simulation);
     v.table("air", s.simulation.air);
     v.list("cloth", s.cloths);
+    v.list("part", s.parts);
     v.list("collider", s.colliders);
     v.list("pin", s.pins);
     v.list("seam", s.seams);

@@ -22,6 +22,7 @@
 #include "sim/energies/bending.h"
 #include "sim/energies/membrane.h"
 #include "sim/scene/mesh.h"
+#include "sim/scene/rest_shape.h"
 #include "support/sparse.h"
 
 using namespace cloth;
@@ -59,7 +60,7 @@ struct System {
             const Vec3 p = mesh.positions.row(v);
             x.segment<3>(3 * v) = p + Vec3(0, 0, 0.02 * std::sin(9.0 * p.x()) * std::cos(7.0 * p.y()));
         }
-        const auto bending = make_bending_patches(mesh.positions, mesh.triangles, Vec3::UnitY());
+        const auto bending = make_bending_patches(rest_corners({}, mesh), mesh.triangles, Vec3::UnitY());
         for (const BendingPatch& patch : bending) patches.push_back(patch.vertices);
         MembraneEnergy stretch(triangles, rest);
         BendingEnergy bend(bending, std::vector<Mat3>(bending.size(), bending_rigidity(1e-5, 1e-5, {})));

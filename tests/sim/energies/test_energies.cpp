@@ -15,6 +15,7 @@
 #include "sim/energies/seam.h"
 #include "sim/energies/woven.h"
 #include "sim/scene/mesh.h"
+#include "sim/scene/rest_shape.h"
 #include "support/energy_battery.h"
 
 using namespace cloth;
@@ -194,7 +195,7 @@ TEST_CASE("drag springs pass the battery", "[energy]") {
 
 TEST_CASE("bending energy passes the battery", "[energy]") {
     const MeshData mesh = make_grid(patch());
-    const auto patches = make_bending_patches(mesh.positions, mesh.triangles, Vec3(1.0, 0.3, 0.0));
+    const auto patches = make_bending_patches(rest_corners({}, mesh), mesh.triangles, Vec3(1.0, 0.3, 0.0));
     const Mat3 D = bending_rigidity(2e-5, 1e-5, 1.2e-5);
     BendingEnergy energy(patches, std::vector<Mat3>(patches.size(), D));
     const VecX x = flatten(mesh.positions);
@@ -212,7 +213,7 @@ TEST_CASE("hinges pass the battery, flat and curved at rest", "[energy]") {
             for (int i = 0; i < 9; ++i)
                 mesh.positions(i, 2) = 0.05 * std::sin(20.0 * mesh.positions(i, 0) + i);
         }
-        const auto patches = make_bending_patches(mesh.positions, mesh.triangles, Vec3::UnitY());
+        const auto patches = make_bending_patches(rest_corners({}, mesh), mesh.triangles, Vec3::UnitY());
         HingeEnergy energy(patches, std::vector<Mat3>(patches.size(), bending_rigidity(2e-5, 1e-5, 1.2e-5)),
                            std::vector<double>(patches.size(), 0.0));
         // No state that is squeezed to a line: there the angles have no derivatives.
@@ -236,7 +237,7 @@ TEST_CASE("a fold is twice the tangent of half its angle, with the sign of its s
 
 TEST_CASE("folds past the yield stay as creases", "[energy]") {
     const MeshData mesh = make_grid({.size = {0.2, 0.2}, .resolution = {3, 3}});
-    const auto patches = make_bending_patches(mesh.positions, mesh.triangles, Vec3::UnitY());
+    const auto patches = make_bending_patches(rest_corners({}, mesh), mesh.triangles, Vec3::UnitY());
     const double yield = 5.0, D = 1e-5;
     HingeEnergy energy(patches, std::vector<Mat3>(patches.size(), bending_rigidity(D, D, D)),
                        std::vector<double>(patches.size(), yield));
@@ -268,7 +269,7 @@ TEST_CASE("a sheet rolled in any direction has the energy of a plate, ½ D κ² 
             CAPTURE(degrees, diagonals == Diagonals::uniform);
             const MeshData mesh =
                 make_grid({.size = {0.4, 0.4}, .resolution = {81, 81}, .diagonals = diagonals});
-            const auto all = make_bending_patches(mesh.positions, mesh.triangles, Vec3::UnitX());
+            const auto all = make_bending_patches(rest_corners({}, mesh), mesh.triangles, Vec3::UnitX());
             std::vector<BendingPatch> inner;
             double area = 0.0;
             for (const BendingPatch& p : all) {
@@ -305,7 +306,7 @@ TEST_CASE("a state of constant bending moment is in balance on any mesh", "[ener
     // curvature; a sheet rolled along the grid does.
     for (Diagonals diagonals : {Diagonals::uniform, Diagonals::alternating}) {
         const MeshData mesh = make_grid({.size = {0.8, 0.8}, .resolution = {9, 9}, .diagonals = diagonals});
-        const auto patches = make_bending_patches(mesh.positions, mesh.triangles, Vec3::UnitX());
+        const auto patches = make_bending_patches(rest_corners({}, mesh), mesh.triangles, Vec3::UnitX());
         BendingEnergy energy(patches, std::vector<Mat3>(patches.size(), bending_rigidity(1.0, 1.0, 1.0)));
         VecX x = flatten(mesh.positions);
         for (int i = 0; i < x.size(); i += 3) x(i + 2) = 0.5 * x(i) * x(i);
@@ -339,7 +340,7 @@ TEST_CASE("viscosity, air and seams pass the battery", "[energy]") {
     CHECK(membrane.value(start.positions) == 0.0);
     CHECK(membrane.value(s.x) > 0.0);
 
-    const auto patches = make_bending_patches(s.mesh.positions, s.mesh.triangles, Vec3::UnitY());
+    const auto patches = make_bending_patches(rest_corners({}, s.mesh), s.mesh.triangles, Vec3::UnitY());
     BendingViscosity bending(patches, std::vector<Mat3>(patches.size(), 1e-7 * Mat3::Identity()));
     bending.begin(stage);
     check_energy(bending, 9, states,
@@ -362,7 +363,8 @@ TEST_CASE("viscosity, air and seams pass the battery", "[energy]") {
     CHECK(seam.value(together) < 1e-25);
 }
 
-TEST_CASE("a plate across the wind feels ½ ρ C_D A u², along it nothing, and lift stands across", "[energy]") {
+TEST_CASE("a plate across the wind feels ½ ρ C_D A u², along it nothing, and lift stands across",
+          "[energy]") {
     const MeshData mesh = make_grid({.size = {0.5, 0.4}, .resolution = {2, 2}});
     State still;
     still.positions = flatten(mesh.positions);

@@ -290,17 +290,19 @@ TEST_CASE("pins, seams, air and retries out of range are refused with the range"
 TEST_CASE("the edges of a grid are selected by their names", "[scene]") {
     const Grid grid{.size = {2.0, 1.0}, .resolution = {3, 2}};
     const Points p = make_grid(grid).positions;
+    ClothDesc cloth;
+    cloth.grid = grid;
     PinDesc pin;
     const auto edge = [&](const char* name) {
         pin.edge = name;
-        return select_vertices(pin, p, "pin[0]", &grid);
+        return select_vertices(pin, cloth, {}, p, "pin[0]");
     };
     CHECK(edge("left") == std::vector<int>{0, 3});
     CHECK(edge("right") == std::vector<int>{2, 5});
     CHECK(edge("bottom") == std::vector<int>{0, 1, 2});
     CHECK(edge("top") == std::vector<int>{3, 4, 5});
     std::string key;
-    CHECK_THAT(refusal([&] { select_vertices(pin, p, "pin[0]"); }, &key),
+    CHECK_THAT(refusal([&] { select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]"); }, &key),
                Contains("names a grid's edge; this cloth is no grid"));
     CHECK(key == "pin[0].edge");
 }

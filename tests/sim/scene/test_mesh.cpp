@@ -255,23 +255,24 @@ TEST_CASE("pins select by index, box, nearest point and extreme", "[scene]") {
     p << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1.0005, 0;
     PinDesc pin;
     pin.vertices = {2, 0};
-    CHECK(select_vertices(pin, p, "pin[0]") == std::vector<int>{2, 0});
+    CHECK(select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]") == std::vector<int>{2, 0});
     pin.vertices = {4};
-    CHECK_THAT(refusal([&] { select_vertices(pin, p, "pin[0]"); }),
+    CHECK_THAT(refusal([&] { select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]"); }),
                Contains("vertex 4 does not exist") && Contains("0 … 3"));
     pin = {};
     pin.box = {Vec3(0.5, -1, -1), Vec3(2, 0.5, 1)};
-    CHECK(select_vertices(pin, p, "pin[0]") == std::vector<int>{1});
+    CHECK(select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]") == std::vector<int>{1});
     pin.box = {Vec3(5, 5, 5), Vec3(6, 6, 6)};
-    CHECK_THAT(refusal([&] { select_vertices(pin, p, "pin[0]"); }), Contains("selects no vertex"));
+    CHECK_THAT(refusal([&] { select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]"); }),
+               Contains("selects no vertex"));
     pin = {};
     pin.nearest = Vec3(0.9, 0.8, 0.3);
-    CHECK(select_vertices(pin, p, "pin[0]") == std::vector<int>{2});
+    CHECK(select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]") == std::vector<int>{2});
     pin = {};
     pin.greatest = "y";
-    CHECK(select_vertices(pin, p, "pin[0]") == std::vector<int>{2, 3});
+    CHECK(select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]") == std::vector<int>{2, 3});
     pin.greatest = "-x";
-    CHECK(select_vertices(pin, p, "pin[0]") == std::vector<int>{0, 3});
+    CHECK(select_vertices(pin, {.disc = Disc{}}, {}, p, "pin[0]") == std::vector<int>{0, 3});
 }
 
 TEST_CASE("steps per frame follow from time step or substeps", "[scene]") {

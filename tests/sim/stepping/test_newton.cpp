@@ -7,6 +7,7 @@
 
 #include "sim/energies/bending.h"
 #include "sim/scene/mesh.h"
+#include "sim/scene/rest_shape.h"
 #include "sim/stepping/newton.h"
 #include "support/energy_battery.h"
 
@@ -155,7 +156,7 @@ TEST_CASE("a factor goes without bending's second ring, and keeps all else", "[n
         for (int i = 0; i < 3; ++i) edges.push_back({mesh.triangles(t, i), mesh.triangles(t, (i + 1) % 3)});
     }
     all.insert(all.end(), edges.begin(), edges.end());
-    const auto patches = make_bending_patches(mesh.positions, mesh.triangles, Vec3::UnitY());
+    const auto patches = make_bending_patches(rest_corners({}, mesh), mesh.triangles, Vec3::UnitY());
     const BendingEnergy bending(patches, std::vector<Mat3>(patches.size(), bending_rigidity(1e-5, 1e-5, {})));
     bending.append_pairs(all);
     const BlockPattern whole(16, all), near = without_second_ring(whole, mesh.triangles);
