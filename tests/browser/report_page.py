@@ -16,6 +16,7 @@ import urllib.error
 import urllib.request
 
 PROGRAM, FOLDER = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+RATE = 10  # frames per second of the movies: slow, so that none ends while it is looked at
 PICTURES = pathlib.Path(sys.argv[3]).resolve() if len(sys.argv) > 3 else None
 
 
@@ -118,7 +119,7 @@ def scene(name, extra=""):
     # A name and a description that would end a script, were they not escaped.
     (FOLDER / name).write_text('version = 1\ndescription = "</script><b id=\'broken\'>&amp;"\n[[cloth]]\nresolution = 14\n'
                                "translate = [0, 0.5, 0]\nrotate = [-90, 0, 0]\n[[collider]]\nradius = 0.2\n"
-                               f"[output]\nframes = 40\nsize = [320, 240]\n{extra}")
+                               f"[output]\nframes = 40\nsize = [320, 240]\nplayback_rate = {RATE}\n{extra}")
 
 
 def use_a_run(browser):
@@ -139,7 +140,7 @@ def use_a_run(browser):
     frame = browser.run("return clothPage.cursor.frame")
     check(28 < frame < 38, f"dragging to 85 % seeks, to frame {frame}")
     browser.until("!document.querySelector('video').seeking", "the movie has sought")
-    check(browser.run("const v = document.querySelector('video'); return Math.floor(v.currentTime * 60)") == frame, "the movie shows the frame")
+    check(browser.run("const v = document.querySelector('video'); return Math.floor(v.currentTime * arguments[0])", RATE) == frame, "the movie shows the frame")
     check(browser.run("return Number(document.querySelector('#slider').value)") == frame, "the slider shows the frame")
     there = left()
     browser.run("clothPage.cursor.set(2)")
@@ -184,7 +185,7 @@ def use_two_runs(browser):
     browser.until("[...document.querySelectorAll('video')].every((v) => v.currentTime > 0.02)", "both movies play")
     browser.click("#play")
     browser.run("clothPage.cursor.set(30)")
-    browser.until("[...document.querySelectorAll('video')].every((v) => !v.seeking && Math.floor(v.currentTime * 60) === 30)",
+    browser.until(f"[...document.querySelectorAll('video')].every((v) => !v.seeking && Math.floor(v.currentTime * {RATE}) === 30)",
                   "both movies have sought")
     time.sleep(0.5)
     browser.picture("two", whole=True)

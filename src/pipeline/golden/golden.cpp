@@ -279,7 +279,10 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
         } else {
             row.image.reason = "not drawn: the golden state does not fit the scene";
         }
-        rows.push_back(row_json(row, &golden_picture, picture ? &*picture : nullptr));
+        std::optional<render::Image> moved;
+        if (!row.state.passed && session.fits(states[i])) moved = session.draw(states[i]);
+        rows.push_back(
+            row_json(row, &golden_picture, picture ? &*picture : nullptr, moved ? &*moved : nullptr));
         result.rows.push_back(std::move(row));
     }
     conclude(result);

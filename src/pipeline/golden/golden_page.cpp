@@ -70,11 +70,12 @@ std::string golden_table(const GoldenResult& result) {
 }
 
 nlohmann::ordered_json row_json(const GoldenRow& row, const render::Image* golden,
-                                const render::Image* actual) {
+                                const render::Image* actual, const render::Image* moved) {
     const render::ImageDifference& d = row.image.difference;
     nlohmann::ordered_json json = {
         {"frame", row.frame},
         {"good", row.state.passed && row.image.passed},
+        {"picture_good", row.image.passed},
         {"state", fmt::format("{}, distance {} m. {}", word(row.state.passed), distance_text(row.state),
                               row.state.reason)},
         {"picture",
@@ -86,6 +87,7 @@ nlohmann::ordered_json row_json(const GoldenRow& row, const render::Image* golde
     if (actual != nullptr) json["after"] = url_of(*actual);
     if (golden != nullptr && actual != nullptr && d.same_size)
         json["difference"] = url_of(render::magnified_difference(*golden, *actual, 16));
+    if (moved != nullptr) json["moved"] = url_of(*moved);
     return json;
 }
 
@@ -102,8 +104,12 @@ std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ord
     data["verdict"] = {{"text", result.passed ? "agree" : "differ"},
                        {"tone", result.passed ? "good" : "bad"}};
     data["facts_head"] = {"", "golden", "now"};
-    data["facts"] = {{"build", {result.golden_build, result.actual_build}},
-                     {"renderer", {result.golden_renderer, result.actual_renderer}}};
+    const auto fact = [](const char* name, const std::string& golden, const std::string& now) {
+        return nlohmann::ordered_json::array({name, nlohmann::ordered_json::array({golden, now})});
+    };
+    data["facts"] =
+        nlohmann::ordered_json::array({fact("build", result.golden_build, result.actual_build),
+                                       fact("renderer", result.golden_renderer, result.actual_renderer)});
     data["text"] = golden_table(result);
     data["golden"] = {{"rows", rows}, {"command", bless_command(result.scene)}};
     write_file(path, page_text(data));

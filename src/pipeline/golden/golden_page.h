@@ -13,9 +13,10 @@ namespace cloth::pipeline {
 /// The command that makes a scene's goldens anew.
 std::string bless_command(const std::string& scene);
 
-/// The page's part of one frame: its pictures are there only while it is made; nullptr: none.
+/// The page's part of one frame: its pictures are there only while it is made; nullptr: none. `moved`: the
+/// frame's own state, where that is not the golden one.
 nlohmann::ordered_json row_json(const GoldenRow& row, const render::Image* golden,
-                                const render::Image* actual);
+                                const render::Image* actual, const render::Image* moved = nullptr);
 
 /// Writes `out`/golden.html with the parts of all frames, and gives its path. Throws Error(other).
 std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ordered_json& rows,

@@ -3,7 +3,7 @@
 //   measures [{key, label, unit, log, worst: "most" | "least" | ""}],
 //   runs [{label, frames {frame [k], KEY [number of each]}, frame_rate, playback_rate,
 //          movie {data | href, text}, view (view.js), scene (TOML), expect [...]}],
-//   golden {rows [{frame, good, state, picture, before, after, difference}], command}
+//   golden {rows [{frame, good, picture_good, state, picture, before, after, difference, moved}], command}
 'use strict';
 
 const data = JSON.parse(document.getElementById('data').textContent);
@@ -275,27 +275,32 @@ function goldenRow(row) {
   const picture = (source, alt) => make('img', {src: source, alt});
   const parts = [make('h2', {}, `Frame ${row.frame} `, make('span', {class: row.good ? 'good' : 'bad'}, row.good ? 'agrees' : 'differs')),
     make('p', {}, 'State: ' + row.state), make('p', {}, 'Picture: ' + row.picture)];
-  if (row.before && row.after) {
-    const after = picture(row.after, 'now');
-    after.className = 'after';
+  /** Two pictures under one edge that can be drawn. */
+  const slider = (before, after, about) => {
+    const now = picture(after, 'now');
+    now.className = 'after';
     const edge = make('div', {class: 'edge'});
-    const input = make('input', {type: 'range', min: 0, max: 1000, value: 500, 'aria-label': `Frame ${row.frame}: golden on the left, now on the right`});
+    const input = make('input', {type: 'range', min: 0, max: 1000, value: 500, 'aria-label': `Frame ${row.frame}: ${about}`});
     const place = () => {
       const share = input.value / 10;
-      after.style.clipPath = `inset(0 0 0 ${share}%)`;
+      now.style.clipPath = `inset(0 0 0 ${share}%)`;
       edge.style.left = share + '%';
     };
     input.addEventListener('input', place);
     place();
-    const slider = make('figure', {}, make('div', {class: 'slider'}, picture(row.before, 'golden'), after, input, edge),
-      make('figcaption', {}, 'golden on the left, now on the right of the edge, which can be drawn'));
-    const difference = row.difference
-      ? make('figure', {}, make('div', {class: 'slider'}, picture(row.difference, 'difference')), make('figcaption', {}, 'difference, times 16')) : null;
-    parts.push(make('div', {class: 'pair'}, slider, difference));
-  } else if (row.before || row.after) {
-    parts.push(make('figure', {}, make('div', {class: 'slider'}, picture(row.before || row.after, row.before ? 'golden' : 'now')),
-      make('figcaption', {}, row.before ? 'golden; nothing was drawn to compare' : 'now; there is no golden')));
+    return make('figure', {}, make('div', {class: 'slider'}, picture(before, 'golden'), now, input, edge),
+      make('figcaption', {}, about));
+  };
+  const alone = (source, about) => make('figure', {}, make('div', {class: 'slider'}, picture(source, about)), make('figcaption', {}, about));
+  const pictures = [];
+  if (row.before && row.moved) pictures.push(slider(row.before, row.moved, 'the golden state on the left, the state of now on the right of the edge, which can be drawn'));
+  if (row.before && row.after && !(row.moved && row.picture_good)) {
+    pictures.push(slider(row.before, row.after, 'the golden state: as it was drawn on the left, as it is drawn now on the right of the edge'));
+    if (row.difference && !row.picture_good) pictures.push(alone(row.difference, 'difference, times 16'));
+  } else if (!row.moved && (row.before || row.after)) {
+    pictures.push(alone(row.before || row.after, row.before ? 'golden; nothing was drawn to compare' : 'now; there is no golden'));
   }
+  parts.push(make('div', {class: 'pair'}, ...pictures));
   return make('section', {class: 'golden'}, ...parts);
 }
 

@@ -164,7 +164,7 @@ function viewOf(runs, cursor) {
     const reach = Math.hypot(...view.size);
     if (!orbit.placed) {
       orbit.target.copy(center);
-      camera.position.copy(center).add(new THREE.Vector3(0.45, 0.4, 1).normalize().multiplyScalar(1.35 * reach));
+      camera.position.copy(center).add(new THREE.Vector3(0.45, 0.4, 1).normalize().multiplyScalar(1.05 * reach));
       camera.near = reach / 1000;
       camera.far = reach * 100;
       orbit.placed = true;
