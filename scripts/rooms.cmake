@@ -15,6 +15,7 @@ set(render
 set(validation ${sim} validation)
 set(pipeline ${sim} ${render}
   pipeline/formats pipeline/scene_file pipeline/picture pipeline/page pipeline/run pipeline/golden)
+set(python ${pipeline} python)
 set(apps ${validation} ${pipeline} apps/cli apps/verbs apps/main)
 
 if(NOT ROOT)

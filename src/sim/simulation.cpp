@@ -49,6 +49,31 @@ void Simulation::restore(const State& state) {
     impl_->workspace.newton.indefinite = state.indefinite;
 }
 
+void Simulation::hold(const std::vector<int>& vertices, const Points& places) {
+    if (places.rows() != static_cast<Eigen::Index>(vertices.size()))
+        throw std::invalid_argument("hold: " + std::to_string(vertices.size()) + " vertices and " +
+                                    std::to_string(places.rows()) + " places; give one each");
+    if (!places.allFinite()) throw std::invalid_argument("hold: a place is not finite");
+    for (const int v : vertices) {
+        if (v < 0 || v >= impl_->model.vertex_count())
+            throw std::invalid_argument("hold: vertex " + std::to_string(v) + " does not exist; there are " +
+                                        std::to_string(impl_->model.vertex_count()));
+    }
+    const double now = impl_->state.time, frame = impl_->model.steps_per_frame * impl_->model.time_step;
+    release(vertices);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        impl_->workspace.holds.push_back({vertices[i], impl_->state.positions.segment<3>(3 * vertices[i]),
+                                          places.row(static_cast<Eigen::Index>(i)), now, now + frame});
+}
+
+void Simulation::release(const std::vector<int>& vertices) {
+    std::vector<Hold>& holds = impl_->workspace.holds;
+    if (vertices.empty()) return holds.clear();
+    std::erase_if(holds, [&](const Hold& hold) {
+        return std::find(vertices.begin(), vertices.end(), hold.vertex) != vertices.end();
+    });
+}
+
 void Simulation::stop_on(const std::atomic<bool>* request) {
     impl_->workspace.newton.stop = request;
 }

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <vector>
 
 #include "sim/algebra/types.h"
 #include "sim/model.h"
@@ -25,6 +26,14 @@ class Simulation {
     const State& state() const;
     /// Continues from `state`; throws std::invalid_argument where its sizes do not fit the model.
     void restore(const State& state);
+
+    /// From now on holds these vertices (numbered over all cloths), whatever pins the scene has: within the
+    /// next frame each goes straight from where it is to its place [m], and stays until it is held elsewhere
+    /// or released. No part of the state. Throws std::invalid_argument for a vertex that is not there, a
+    /// place that is not finite, or as many places as vertices are not.
+    void hold(const std::vector<int>& vertices, const Points& places);
+    /// Lets vertices go that were held; all of them where none is named.
+    void release(const std::vector<int>& vertices = {});
 
     /// Looked at before every Newton iteration: where it is true the step is undone, and its report says
     /// `stopped`. States do not depend on it. nullptr: nobody stops.

@@ -175,6 +175,7 @@ void mend_meshes(Reader& reader, SceneFile& file) {
         }
         if (mended) check_seam(reader, seam, key);
     }
+    file.own_seams = scene.seams.size();
     sew_patterns(reader, scene);
 }
 

@@ -52,6 +52,8 @@ struct SceneFile {
     /// Of each cloth whose mesh lost vertices when it was mended: the number in the file of each that it has;
     /// else empty. Pins and seams refer to those that it has.
     std::vector<std::vector<int>> vertices_in_file;
+    /// Seams that the file itself has; those behind them are its sewing patterns'.
+    std::size_t own_seams = 0;
 
     // What the renderer takes of the above.
     render::View view;  ///< size, camera at rest and light

@@ -18,6 +18,16 @@ bool other_vertices(const SceneFile& file, const FileNames& kept) {
     return false;
 }
 
+/// Whether the scene is written with a sewing pattern, which brings its seams along.
+bool with_pattern(const SceneFile& file, const FileNames& kept) {
+    for (std::size_t c = 0; c < file.scene.cloths.size(); ++c) {
+        const std::string key = entry("cloth", c) + ".mesh";
+        const auto name = file.files.find(key);
+        if (name != file.files.end() && name->second.ends_with(".json") && !kept.contains(key)) return true;
+    }
+    return false;
+}
+
 /// `file` with the vertex numbers that its mesh files have.
 SceneFile numbered_as_in_files(SceneFile file, const FileNames& kept) {
     const auto number = [&](VertexSelection& selection, int cloth) {
@@ -39,6 +49,11 @@ std::string SceneFile::resolved(const FileNames& kept) const {
         SceneFile numbered = numbered_as_in_files(*this, kept);
         numbered.vertices_in_file.clear();
         return numbered.resolved(kept);
+    }
+    if (own_seams < scene.seams.size() && with_pattern(*this, kept)) {
+        SceneFile own = *this;
+        own.scene.seams.resize(own_seams);
+        return own.resolved(kept);
     }
     FileNames names = files;
     for (const auto& [key, as_kept] : kept) names[key] = as_kept;

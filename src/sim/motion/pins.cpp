@@ -45,6 +45,24 @@ std::vector<Pin> pins_of_step(const std::vector<PinGroup>& groups, double start,
     return pins;
 }
 
+Vec3 Hold::place(double time) const {
+    if (time >= end || !(end > begin)) return to;
+    const double share = std::max(0.0, (time - begin) / (end - begin));
+    return from + share * (to - from);
+}
+
+void add_holds(std::vector<Pin>& pins, const std::vector<Hold>& holds, double time) {
+    if (holds.empty()) return;
+    std::vector<Pin> all;
+    for (const Hold& hold : holds) all.push_back({hold.vertex, hold.place(time)});
+    all.insert(all.end(), pins.begin(), pins.end());
+    std::stable_sort(all.begin(), all.end(), [](const Pin& a, const Pin& b) { return a.vertex < b.vertex; });
+    all.erase(
+        std::unique(all.begin(), all.end(), [](const Pin& a, const Pin& b) { return a.vertex == b.vertex; }),
+        all.end());
+    pins = std::move(all);
+}
+
 void zero_pinned(const std::vector<Pin>& pins, VecX& v) {
     for (const Pin& pin : pins) v.segment<3>(3 * pin.vertex).setZero();
 }

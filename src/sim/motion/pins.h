@@ -38,6 +38,18 @@ MotionKey motion_at(const std::vector<MotionKey>& path, double time);
 /// same vertex, the first does.
 std::vector<Pin> pins_of_step(const std::vector<PinGroup>& groups, double start, double end);
 
+/// A vertex that is held from outside of the scene, as by a gripper.
+struct Hold {
+    int vertex;
+    Vec3 from, to;              ///< where it is at `begin`, and at `end` and after [m]
+    double begin = 0, end = 0;  ///< [s]
+
+    Vec3 place(double time) const;
+};
+
+/// `pins` with what is held at `time`, sorted by vertex; of a vertex that both hold, the hold counts.
+void add_holds(std::vector<Pin>& pins, const std::vector<Hold>& holds, double time);
+
 /// v = 0 at the pins.
 void zero_pinned(const std::vector<Pin>& pins, VecX& v);
 /// x = the place of each pin.

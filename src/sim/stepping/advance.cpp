@@ -46,7 +46,8 @@ struct HeldUp {
 bool step_by(const Model& model, State& state, double dt, int halvings, const HeldUp& before, Workspace& w,
              StepReport& report) {
     if (w.newton.stopping()) return false;
-    const std::vector<Pin> pins = pins_of_step(model.pin_groups, state.time, state.time + dt);
+    std::vector<Pin> pins = pins_of_step(model.pin_groups, state.time, state.time + dt);
+    add_holds(pins, w.holds, state.time + dt);
     w.leave_out(pins);
     StepReport attempt;
     Step step{model, state, dt, pins, w, attempt};

@@ -186,13 +186,13 @@ class TightestContact {
             o.pin = pin_of(pin.vertex);
         }
     }
-    /// The first that holds the vertex, as pins_of_step() has it.
+    /// The first that holds the vertex, as pins_of_step() has it; -1: it is held from outside.
     int pin_of(int vertex) const {
         const auto group =
             std::find_if(model_.pin_groups.begin(), model_.pin_groups.end(), [&](const PinGroup& g) {
                 return std::find(g.vertices.begin(), g.vertices.end(), vertex) != g.vertices.end();
             });
-        return static_cast<int>(group - model_.pin_groups.begin());
+        return group == model_.pin_groups.end() ? -1 : static_cast<int>(group - model_.pin_groups.begin());
     }
 
     const Model& model_;
@@ -202,6 +202,10 @@ class TightestContact {
     std::vector<Contact> memory_;
     const std::vector<Contact>& contacts_;
 };
+
+std::string holder(int pin) {
+    return pin < 0 ? "who holds it" : "pin[" + std::to_string(pin) + "]";
+}
 
 std::string millimetres(double length) {
     return number_text(1e3 * std::round(length * 1e8) / 1e8) + " mm";
@@ -263,7 +267,7 @@ std::string words(const Model& model, const Obstacle& o) {
                " left there, the cloth needs " + millimetres(o.needed);
     }
     if (o.pin && o.certain) {
-        return "pin[" + std::to_string(*o.pin) + "] and " + collider(o.colliders[0]) + " meet at " + vertex +
+        return holder(*o.pin) + " and " + collider(o.colliders[0]) + " meet at " + vertex +
                ": they would be " + millimetres(o.needed - o.room) + " nearer than contact lets them";
     }
     std::string met;
@@ -272,7 +276,7 @@ std::string words(const Model& model, const Obstacle& o) {
               " at vertex " + std::to_string((*o.other)[1]);
     }
     if (!o.colliders.empty()) met += (met.empty() ? " meets " : " and ") + collider(o.colliders[0]);
-    return vertex + (o.pin ? ", held by pin[" + std::to_string(*o.pin) + "]," : "") + met;
+    return vertex + (o.pin ? ", held by " + holder(*o.pin) + "," : "") + met;
 }
 
 }  // namespace cloth

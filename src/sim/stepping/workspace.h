@@ -24,6 +24,7 @@ struct Workspace {
     BlockPattern near;  ///< that factors for conjugate gradients begin with
     std::unique_ptr<LinearSolver> solver;
     std::vector<int> pinned;  ///< those that `solver` leaves out
+    std::vector<Hold> holds;  ///< from outside, see Simulation::hold()
     NewtonWorkspace newton;
     std::optional<std::vector<std::uint8_t>> checked;  ///< colliders that were on when overlap was checked
 };

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "pipeline/formats/obj.h"
 #include "pipeline/formats/planar_mesh.h"
 #include "pipeline/scene_file/scene_text.h"
 #include "support/refusal.h"
@@ -205,6 +206,12 @@ TEST_CASE("a pattern is a cloth: flat at rest, sewn, and kept as a mesh with sea
     CHECK(*cloth.uv_scale == 1.0);
     REQUIRE(file.scene.seams.size() == 2);
     CHECK(file.scene.seams[0].sides[0].vertices.size() == 7);
+    // Written with the pattern it has the pattern's seams once; with a mesh in its place, as runs keep it,
+    // too.
+    CHECK(difference(file, parse_scene(file.resolved(), "again.toml", "/")).empty());
+    spit(place.folder() / "kept.obj", obj_text(*cloth.mesh));
+    const std::string kept = file.resolved({{"cloth[0].mesh", "kept.obj"}});
+    CHECK(difference(file, parse_scene(kept, "kept.toml", place.folder().path())).empty());
     CHECK_THAT(
         refusal_of([&] { parse_scene(sheet("edge_length = 0.05\n"), "s.toml", place.folder().path()); }),
         Contains("edge_length: belongs to a sewing pattern"));
