@@ -14,7 +14,7 @@ set(render
   render/frame render/vector_math render/image render/overlay render/gl render/raster)
 set(validation ${sim} validation)
 set(pipeline ${sim} ${render}
-  pipeline/formats pipeline/scene_file pipeline/picture pipeline/run pipeline/golden)
+  pipeline/formats pipeline/scene_file pipeline/picture pipeline/run pipeline/sweep pipeline/golden)
 set(apps ${validation} ${pipeline} apps/cli apps/verbs apps/main)
 
 if(NOT ROOT)
