@@ -89,7 +89,7 @@ std::string index_page(const SweepResults& results, const SweepFolder& folder) {
     fill(page, "@movie@",
          link(folder, folder.sheet()).empty()
              ? ""
-             : "<video src=\"sheet.mp4\" controls loop muted preload=\"metadata\"></video>");
+             : "<video src=\"sheet.mp4\" controls loop muted autoplay></video>");
     fill(page, "@style@", sweep_page::style);
     fill(page, "@script@", sweep_page::script);
     fill(page, "@data@", json);

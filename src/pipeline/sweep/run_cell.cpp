@@ -1,5 +1,8 @@
 #include "pipeline/sweep/run_cell.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <exception>
 #include <new>
 #include <system_error>
@@ -31,6 +34,14 @@ std::vector<double> measured(const SweepFile& sweep, const RunFolder& run, std::
     std::vector<double> values;
     for (const Measure& measure : measures()) values.push_back(measure.of(seen));
     return values;
+}
+
+/// Until the disk has all that was written, so that no power cut leaves a cell done without its files.
+void sync_disk_of(const fs::path& folder) {
+    const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0) return;
+    ::syncfs(file);
+    ::close(file);
 }
 
 /// The last frame whose state is kept; -1: none.
@@ -70,6 +81,7 @@ CellRecord run_cell(const SweepFile& sweep, const SweepFolder& folder, const Cel
         if (options.tell)
             for (const std::string& note : file.notes) options.tell(note);
         RunOptions own = options;
+        own.sync = Sync::no;  // all at once, below
         const CellPictures pictures = sweep.results.pictures;
         own.pictures = pictures == CellPictures::all;
         own.movie = own.pictures && sweep.results.movies;
@@ -88,6 +100,7 @@ CellRecord run_cell(const SweepFile& sweep, const SweepFolder& folder, const Cel
         if (interrupted) {
             record.key.clear();
         } else {
+            sync_disk_of(out);
             record.measures = measured(sweep, RunFolder::open(out), file.output.frames);
         }
     } catch (const Error& error) {

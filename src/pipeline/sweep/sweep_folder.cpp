@@ -118,16 +118,20 @@ SweepFolder SweepFolder::look(const fs::path& folder, const SweepFile& sweep) {
 
 SweepFolder SweepFolder::create(const fs::path& folder, const SweepFile& sweep) {
     SweepFolder result = look(folder, sweep);
-    std::error_code failure;
-    for (const fs::path& each : {folder, folder / "cells", folder / "logs"}) {
+    const auto make = [](const fs::path& each) {
+        std::error_code failure;
         fs::create_directories(each, failure);
         if (failure)
             throw Error(ExitCode::other,
                         fmt::format("cannot make the folder {}: {}", each.string(), failure.message()));
-        if (!result.lock_) result.lock_ = std::make_shared<FolderLock>(folder);
-    }
+    };
+    make(folder);
+    result.lock_ = std::make_shared<FolderLock>(folder);
     require_sweep_folder(folder, sweep);  // now that no other program writes there
-    if (!fs::exists(manifest_of(folder), failure)) result.write_sheet_key("");
+    std::error_code missing;
+    if (!fs::exists(manifest_of(folder), missing)) result.write_sheet_key("");
+    make(result.cells());
+    make(folder / "logs");
     write_if_changed(folder / "sweep.toml", sweep.text);
     result.ledger_ = std::make_shared<LineFile>(folder / "cells.jsonl");
     return result;

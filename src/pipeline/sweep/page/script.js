@@ -94,7 +94,7 @@ function show() {
   at("body").replaceChildren(...order.map((i) => elements[i]));
   at("shown").textContent = order.length === rows.length ? "" : order.length + " of " + rows.length;
   [...at("head").children].forEach((th, c) => {
-    if (c - 1 === sorted) th.setAttribute("aria-sort", falling ? "descending" : "ascending");
+    if (c > 0 && c - 1 === sorted) th.setAttribute("aria-sort", falling ? "descending" : "ascending");
     else th.removeAttribute("aria-sort");
   });
 }
