@@ -127,10 +127,10 @@ TEST_CASE("a bad sweep is refused before anything is written", "[cli][sweep]") {
     const Workplace place;
     spit(place / "s.toml", head + "[grid]\ncollider.radus = [0.2]\n");
     check_refusal(place.run(command), 3,
-                  {"s.toml:7:1: cell radus=0.2: collider.radus: unknown key; did you "
+                  {"s.toml:7:10: cell radus=0.2: collider[0].radus: unknown key; did you "
                    "mean \"radius\""});
     spit(place / "s.toml", head + "[samples]\ncount = 40\ncollider.radius = { normal = [0.2, 0.2] }\n");
-    check_refusal(place.run(command), 3, {"s.toml:8:1: cell s00", "collider.radius: is -", "; must be "});
+    check_refusal(place.run(command), 3, {"s.toml:8:10: cell s00", "collider[0].radius: is -", "; must be "});
     CHECK_FALSE(fs::exists(place / "o"));
     check_refusal(place.run("sweep nothing.toml"), 3, {"nothing.toml: there is no such file"});
     check_refusal(place.run("sweep s.toml --workers 0"), 2, {"--workers"});

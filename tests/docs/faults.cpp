@@ -7,6 +7,7 @@
 
 #include "docs/markdown.h"
 #include "pipeline/scene_file/scene_file.h"
+#include "pipeline/sweep/sweep_file.h"
 
 namespace cloth::testing {
 namespace fs = std::filesystem;
@@ -66,8 +67,17 @@ class Checker {
         if (!anchors.contains(anchor.substr(1))) fault(link.line, "no heading " + link.target);
     }
 
+    void check_sweep(const Code& block) {
+        try {
+            pipeline::parse_sweep(block.text, "example.toml");
+        } catch (const std::exception& e) {
+            fault(block.line, std::string("does not load: ") + e.what());
+        }
+    }
+
     void check_toml(const Code& block) {
         std::string text = block.text;
+        if (text.find("\nscene = ") != std::string::npos) return check_sweep(block);
         if (!text.starts_with("version") && text.find("\nversion") == std::string::npos)
             text = "version = 1\n" + text;
         if (text.find("[[cloth]]") == std::string::npos) text += "\n[[cloth]]\n";

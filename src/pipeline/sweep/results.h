@@ -30,6 +30,7 @@ struct ResultColumn {
 struct SweepResults {
     SweepResults() = default;
     SweepResults(SweepResults&&) = default;  // rows point into cells and records
+    SweepResults& operator=(SweepResults&&) = default;
     const SweepFile* sweep = nullptr;
     SweepCells cells;
     CellRecords records;

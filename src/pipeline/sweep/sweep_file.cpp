@@ -416,14 +416,18 @@ std::string SweepFile::at(const SweepPlace& place) const {
 }
 
 SweepFile load_sweep(const fs::path& path) {
-    SweepFile file;
     std::error_code ignored;
     if (!fs::exists(path, ignored)) refuse_scene(path.string() + ": there is no such file of a sweep");
     if (fs::is_directory(path, ignored))
         refuse_scene(path.string() + ": is a folder; a sweep is a .toml file");
+    return parse_sweep(read_file(path), path);
+}
+
+SweepFile parse_sweep(const std::string& text, const fs::path& path) {
+    SweepFile file;
     file.name = path.stem().string();
     file.path = path;
-    file.text = read_file(path);
+    file.text = text;
     for (const Measure& measure : measures()) file.results.measures.emplace_back(measure.name);
     SweepReader(file).read();
     return file;

@@ -84,4 +84,7 @@ struct SweepFile {
 /// Throws Error(invalid_scene).
 SweepFile load_sweep(const std::filesystem::path& path);
 
+/// The same of a text that `path` stands for, in messages and for what it names.
+SweepFile parse_sweep(const std::string& text, const std::filesystem::path& path);
+
 }  // namespace cloth::pipeline

@@ -19,9 +19,9 @@ const char* const scene = R"(version = 1
 resolution = 4
 fabric = "silk"
 [[collider]]
-translate = [0, -3, 0]
+center = [0, -3, 0]
 [[collider]]
-translate = [0, -9, 0]
+center = [0, -9, 0]
 )";
 
 /// A sweep of that scene, at /…/wind.toml, with `more` behind what every sweep has.
@@ -66,7 +66,7 @@ cloth.fabric = ["silk", "wool"]
 "collider[1].friction" = { from = 0.1, to = 0.4, count = 3 }
 [[list]]
 name = "still"
-air.density = 0.0
+air.density = 0.5
 [[list]]
 air.density = 1.2
 air.wind = [1, 0, 0]
@@ -126,7 +126,7 @@ cloth.resolution = "4 + 2 * side"
 weight = "cloth.fabric.density * cloth.size[0] * cloth.size[1]"
 cloth.fabric.density = "2 * cloth.fabric.density"
 [results]
-columns = ["cloth.fabric.density", "collider[1].translate[1]"]
+columns = ["cloth.fabric.density", "collider[1].center[1]"]
 )");
     const SweepCells cells = sweep.cells();
     CHECK(names(cells) == std::vector<std::string>{"side=1", "side=2"});
@@ -160,14 +160,16 @@ TEST_CASE("a sweep that cannot be is refused with its place before anything runs
     const Bad table[] = {
         // an unknown key
         {"[grid]\ncloth.fabric.bendin = [1e-6]\n",
-         "wind.toml:4:1: cell bendin=1e-06: cloth.fabric.bendin: unknown key; did you mean \"bending\""},
+         "wind.toml:4:14: cell bendin=1e-06: cloth[0].fabric.bendin: unknown key; did you mean \"bending\""},
         {"[set]\noutput.frame = 3\n[grid]\ncloth.fabric.bending = [1e-6]\n",
-         "wind.toml:4:1: [set]: output.frame: unknown key"},
-        {"[grid]\nside = [1]\n", "side: unknown key"},
+         "wind.toml:4:8: [set]: output.frame: unknown key"},
+        {"[grid]\nside = [1]\n", "wind.toml:4:1: cell side=1: side: unknown key"},
         {"[grid]\n\"collider[7].friction\" = [1]\n", "the scene has 2 [[collider]], counted from 0"},
         // a value or sample outside of its key's range
-        {"[grid]\ncloth.fabric.bending = [1e-6, -1.0]\n", "wind.toml:4:1: cell bending=-1: cloth"},
-        {"[samples]\ncount = 50\ncloth.fabric.poisson_ratio = { normal = [0.3, 0.2] }\n", "; must be "},
+        {"[grid]\ncloth.fabric.bending = [1e-6, -1.0]\n",
+         "wind.toml:4:14: cell bending=-1: cloth[0].fabric.bending: is -1; must be 0"},
+        {"[samples]\ncount = 50\ncloth.fabric.poisson_ratio = { normal = [0.3, 0.7] }\n",
+         "cloth[0].fabric.poisson_ratio: is "},
         {"[grid]\ncloth.resolution = [4.5]\n", "must be a whole number"},
         // two cells of one name
         {"[[list]]\nname = \"a\"\ncollider.friction = 0.1\n[[list]]\nname = \"a\"\ncollider.friction = 0.2\n",
@@ -194,9 +196,9 @@ TEST_CASE("a sweep that cannot be is refused with its place before anything runs
         {"[samples]\ncount = 3\ncloth.fabric = { choice = [\"silk\"], weights = [1, 2] }\n",
          "must be one number for each choice"},
         {"[set]\ncollider.friction = 0\n[grid]\ncollider.friction = [1]\n",
-         "wind.toml:6:1: collider.friction: is given a value twice"},
+         "wind.toml:6:10: collider.friction: is given a value twice"},
         {"[grid]\ncollider.friction = [1]\n[derived]\ncloth.fabric.bending = \"2 * bendin\"\n",
-         "wind.toml:6:1: cloth.fabric.bending: \"2 * bendin\" uses bendin, which is no key"},
+         "wind.toml:6:14: cloth.fabric.bending: \"2 * bendin\" uses bendin, which is no key"},
         {"[grid]\ncollider.friction = [0]\n[derived]\ncloth.fabric.bending = \"1 / collider.friction\"\n",
          "is inf, which is no number"},
         {"[grid]\ncloth.fabric = [\"silk\"]\n[derived]\ncloth.fabric.bending = \"2 * cloth.fabric\"\n",
