@@ -154,6 +154,11 @@ class CellMaker {
     }
 
     SweepCells make() {
+        try {
+            load_scene(sweep_.scene);
+        } catch (const Error& error) {
+            throw Error(error.code, fmt::format("{}: scene: {}", sweep_.path.string(), error.what()));
+        }
         std::int64_t count = 1;
         const auto times = [&](std::size_t n) {
             count *= static_cast<std::int64_t>(std::max<std::size_t>(n, 1));

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// What the processes of a sweep's cells and this one see alike.
-struct Shared {
+struct alignas(64) Shared {
     std::atomic<bool> stop;
     struct Slot {
         std::atomic<std::int64_t> frame, frames;
@@ -127,7 +127,11 @@ class SweepRun {
         if (row.record->status == CellStatus::failed) return false;
         const fs::path folder = folder_.cell(row.cell->name);
         std::error_code missing;
-        return fs::exists(RunFolder::look(folder).certificate(), missing) &&
+        const RunFolder run = RunFolder::look(folder);
+        const bool wants_movie =
+            options_.movie && sweep_.results.movies && sweep_.results.pictures == CellPictures::all;
+        return fs::exists(run.certificate(), missing) &&
+               (!wants_movie || fs::exists(run.movie(fs::path(sweep_.scene).stem().string()), missing)) &&
                (row.record->picture.empty() || fs::exists(folder / row.record->picture, missing));
     }
 
