@@ -73,5 +73,5 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "ffmpeg, libosmesa6")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME librender-cloth-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev, libtbb-dev, libassimp-dev, zlib1g-dev, libfmt-dev, libtomlplusplus-dev, libzstd-dev, libxxhash-dev, libdeflate-dev, libminizip-dev, pkg-config")
+    "libeigen3-dev, libtbb-dev, libassimp-dev, zlib1g-dev, libfmt-dev, libtomlplusplus-dev, libzstd-dev, libxxhash-dev, libdeflate-dev, libminizip-dev, libmuparser-dev, pkg-config")
 include(CPack)

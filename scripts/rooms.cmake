@@ -14,7 +14,7 @@ set(render
   render/frame render/vector_math render/image render/overlay render/gl render/raster)
 set(validation ${sim} validation)
 set(pipeline ${sim} ${render}
-  pipeline/formats pipeline/scene_file pipeline/picture pipeline/page pipeline/run pipeline/golden)
+  pipeline/formats pipeline/scene_file pipeline/picture pipeline/page pipeline/run pipeline/sweep pipeline/golden)
 set(python ${pipeline} python)
 set(apps ${validation} ${pipeline} apps/cli apps/verbs apps/main)
 

@@ -28,12 +28,6 @@ void tell(const std::string& text) {
     std::fputs(text.c_str(), stderr);
 }
 
-std::string clock_text(double seconds) {
-    const auto s = static_cast<long>(std::lround(seconds));
-    return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
-                     : fmt::format("{}:{:02}", s / 60, s % 60);
-}
-
 /// What was made, how long each stage took, where it lies.
 std::string last_line(const RunSummary& summary, const std::filesystem::path& out) {
     const bool nothing = summary.states + summary.images == 0 &&
@@ -61,6 +55,12 @@ std::string last_line(const RunSummary& summary, const std::filesystem::path& ou
 }
 
 }  // namespace
+
+std::string clock_text(double seconds) {
+    const auto s = static_cast<long>(std::lround(seconds));
+    return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                     : fmt::format("{}:{:02}", s / 60, s % 60);
+}
 
 /// On standard error: a bar on a terminal, a line every few seconds elsewhere.
 class ProgressLine {

@@ -32,6 +32,9 @@ struct WorkFlags {
     render::GlLibrary gl_library() const;
 };
 
+/// "4:05", "1:00:07".
+std::string clock_text(double seconds);
+
 /// What a first Ctrl-C does.
 enum class OnSignal {
     end,     ///< the program ends: what is half made is worth nothing

@@ -105,10 +105,10 @@ cli::ExitCode work(const Values& values) {
             bad += !finding.good();
         }
         std::fflush(stdout);
-        for (const validation::Plot& plot : outcome.plots) {
+        for (const Plot& plot : outcome.plots) {
             std::filesystem::create_directories(plots);
             pipeline::write_file(plots / (plot.name + ".svg"),
-                                 std::string(pipeline::own_mark) + "\n" + validation::to_svg(plot));
+                                 std::string(pipeline::own_mark) + "\n" + to_svg(plot));
             ++plots_written;
         }
     }

@@ -6,10 +6,10 @@
 #include "apps/cli/command_line.h"
 
 /// In the order of the help; the first is meant where none is named.
-#define CLOTH_VERBS(row)                                                                                \
-    row(run) row(simulate) row(resume) row(render) row(encode) row(sheet) row(compare_video)            \
-        row(export_mesh) row(report) row(audit) row(gc) row(compare) row(bless) row(list) row(validate) \
-            row(version)
+#define CLOTH_VERBS(row)                                                                             \
+    row(run) row(simulate) row(resume) row(render) row(encode) row(sheet) row(compare_video)         \
+        row(export_mesh) row(report) row(audit) row(gc) row(sweep) row(compare) row(bless) row(list) \
+            row(validate) row(version)
 
 namespace cloth::verbs {
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -18,6 +19,7 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "base/memory.h"
 
@@ -62,15 +64,17 @@ void send(int pipe, Answer answer, const std::string& text) {
     put(text.data(), text.size());
 }
 
-[[noreturn]] void be_child(const std::function<std::string()>& work, const ChildLimits& limits, int pipe) {
+[[noreturn]] void be_child(const std::function<std::string()>& work, const ChildLimits& limits, int pipe,
+                           int output) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_CPU, static_cast<std::size_t>(limits.seconds));
+    if (limits.seconds > 0) limit(RLIMIT_CPU, static_cast<std::size_t>(limits.seconds));
 #ifndef CLOTH_WIDE_ADDRESS_SPACE
     if (limits.memory > 0) limit(RLIMIT_AS, address_space() + limits.memory);
 #endif
     const int nowhere = ::open("/dev/null", O_RDWR);
-    for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
+    ::dup2(nowhere, 0);
+    for (const int stream : {1, 2}) ::dup2(output >= 0 ? output : nowhere, stream);
     try {
         send(pipe, Answer::result, work());
     } catch (const std::bad_alloc&) {
@@ -83,27 +87,6 @@ void send(int pipe, Answer answer, const std::string& text) {
     ::_exit(0);  // nothing of this process is cleared away twice
 }
 
-/// All that comes through the pipe; less where the clock runs out first.
-std::string received(int pipe, int seconds, bool& late) {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point end = Clock::now() + std::chrono::seconds(seconds);
-    std::string bytes;
-    std::string buffer(1 << 16, '\0');
-    while (true) {
-        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
-        late = left <= 0;
-        if (late) return bytes;
-        pollfd waiting{pipe, POLLIN, 0};
-        const int ready = ::poll(&waiting, 1, static_cast<int>(left));
-        if (ready < 0 && errno != EINTR) return bytes;
-        if (ready <= 0) continue;
-        const ssize_t got = ::read(pipe, buffer.data(), buffer.size());
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) return bytes;
-        bytes.append(buffer.data(), static_cast<std::size_t>(got));
-    }
-}
-
 int wait_for(pid_t child) {
     int status = 0;
     while (::waitpid(child, &status, 0) < 0) {
@@ -112,50 +95,108 @@ int wait_for(pid_t child) {
     return status;
 }
 
+std::runtime_error too_long(const ChildLimits& limits) {
+    return std::runtime_error("took longer than " + std::to_string(limits.seconds) + " s");
+}
+
 }  // namespace
 
-std::string in_child(const std::function<std::string()>& work, const ChildLimits& limits) {
+Child::Child(const std::function<std::string()>& work, const ChildLimits& limits, int output)
+    : limits_(limits) {
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0)
         throw std::system_error(errno, std::generic_category(), "cannot make a pipe");
-    const pid_t child = ::fork();
-    if (child == 0) {
+    id_ = ::fork();
+    if (id_ == 0) {
         ::close(ends[0]);
-        be_child(work, limits, ends[1]);
+        be_child(work, limits, ends[1], output);
     }
+    const int cause = errno;
     ::close(ends[1]);
-    if (child < 0) {
-        ::close(ends[0]);
-        throw std::system_error(errno, std::generic_category(), "cannot start a process");
+    pipe_ = ends[0];
+    if (id_ < 0) {
+        ::close(pipe_);
+        throw std::system_error(cause, std::generic_category(), "cannot start a process");
     }
-    bool late = false;
-    std::string bytes;
-    try {
-        bytes = received(ends[0], 2 * limits.seconds, late);
-    } catch (...) {  // out of memory
-        ::kill(child, SIGKILL);
-        wait_for(child);
-        ::close(ends[0]);
-        throw;
-    }
-    if (late) ::kill(child, SIGKILL);
-    ::close(ends[0]);
-    const int status = wait_for(child);
+}
 
-    std::uint64_t size = std::numeric_limits<std::uint64_t>::max();
-    if (bytes.size() >= head_size) std::memcpy(&size, bytes.data() + 1, sizeof size);
-    if (size == bytes.size() - head_size && bytes.size() >= head_size) {
-        const Answer answer{bytes[0]};
-        bytes.erase(0, head_size);
-        if (answer == Answer::result) return bytes;
-        if (answer == Answer::failure) throw std::runtime_error(bytes);
-        throw std::runtime_error("needs more memory than " + memory_text(static_cast<double>(limits.memory)));
+Child::Child(Child&& other) noexcept
+    : id_(std::exchange(other.id_, -1)),
+      pipe_(std::exchange(other.pipe_, -1)),
+      limits_(other.limits_),
+      bytes_(std::move(other.bytes_)) {}
+
+Child& Child::operator=(Child&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(pipe_, other.pipe_);
+    std::swap(limits_, other.limits_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+}
+
+Child::~Child() {
+    if (id_ > 0) {
+        end();
+        wait_for(id_);
     }
-    if (late || (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU)))
-        throw std::runtime_error("took longer than " + std::to_string(limits.seconds) + " s");
+    if (pipe_ >= 0) ::close(pipe_);
+}
+
+void Child::end() {
+    if (id_ > 0) ::kill(id_, SIGKILL);
+}
+
+bool Child::receive() {
+    std::array<char, 1 << 16> buffer;
+    const ssize_t got = ::read(pipe_, buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) return true;
+    if (got <= 0) return false;
+    bytes_.append(buffer.data(), static_cast<std::size_t>(got));
+    return true;
+}
+
+std::string Child::answer() {
+    const int status = wait_for(std::exchange(id_, -1));
+    std::uint64_t size = std::numeric_limits<std::uint64_t>::max();
+    if (bytes_.size() >= head_size) std::memcpy(&size, bytes_.data() + 1, sizeof size);
+    if (size == bytes_.size() - head_size && bytes_.size() >= head_size) {
+        const Answer kind{bytes_[0]};
+        bytes_.erase(0, head_size);
+        if (kind == Answer::result) return std::move(bytes_);
+        if (kind == Answer::failure) throw std::runtime_error(bytes_);
+        throw std::runtime_error(limits_.memory > 0 ? "needs more memory than " +
+                                                          memory_text(static_cast<double>(limits_.memory))
+                                                    : "out of memory");
+    }
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) throw too_long(limits_);
     throw std::runtime_error(WIFSIGNALED(status)
                                  ? "ended with signal " + std::to_string(WTERMSIG(status))
                                  : "ended with exit code " + std::to_string(WEXITSTATUS(status)));
+}
+
+std::string in_child(const std::function<std::string()>& work, const ChildLimits& limits) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point end = Clock::now() + std::chrono::seconds(2 * limits.seconds);
+    Child child(work, limits);
+    while (true) {
+        int wait = -1;  // [ms]; for ever
+        if (limits.seconds > 0) {
+            const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+            if (left.count() <= 0) throw too_long(limits);
+            wait = static_cast<int>(left.count());
+        }
+        pollfd waiting{child.pipe(), POLLIN, 0};
+        if (::poll(&waiting, 1, wait) > 0 && !child.receive()) return child.answer();
+    }
+}
+
+SharedMemory::SharedMemory(std::size_t size)
+    : data_(::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)), size_(size) {
+    if (data_ == MAP_FAILED) throw std::bad_alloc();
+}
+
+SharedMemory::~SharedMemory() {
+    ::munmap(data_, size_);
 }
 
 }  // namespace cloth

@@ -22,6 +22,9 @@ double cos_small(double x) {
     return 1.0 + sum;
 }
 
+// ln 2 as a number of 32 bits, whose small multiples are exact, and the rest.
+constexpr double ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
+
 }  // namespace
 
 double sin_degrees(double degrees) {
@@ -45,6 +48,30 @@ double cos_degrees(double degrees) {
 
 double tan_degrees(double degrees) {
     return sin_degrees(degrees) / cos_degrees(degrees);
+}
+
+double portable_exp(double x) {
+    if (x > 710.0) return HUGE_VAL;
+    if (x < -746.0) return 0.0;
+    const double n = std::floor(x / (ln2_high + ln2_low) + 0.5);
+    const double r = (x - n * ln2_high) - n * ln2_low;
+    double sum = 1.0;  // Taylor series; the first term left out is below 1e-18 for |r| ≤ ln(2)/2
+    for (int k = 15; k >= 1; --k) sum = 1.0 + r / k * sum;
+    return std::ldexp(sum, static_cast<int>(n));
+}
+
+double portable_log(double x) {
+    int power = 0;
+    double m = std::frexp(x, &power);
+    if (m < 0.70710678118654752440) {
+        m *= 2.0;
+        --power;
+    }
+    // log(m) = 2 artanh(s); the first term left out is below 1e-20 for |s| ≤ 0.172
+    const double s = (m - 1.0) / (m + 1.0), y = s * s;
+    double sum = 0.0;
+    for (int k = 25; k >= 3; k -= 2) sum = (sum + 1.0 / k) * y;
+    return power * ln2_high + (power * ln2_low + 2.0 * (s + s * sum));
 }
 
 }  // namespace cloth

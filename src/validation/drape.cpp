@@ -1,11 +1,11 @@
 // Cusick's drape test: a disc of 30 cm over a pedestal of 18 cm.
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
+#include "sim/fields/shadow.h"
 #include "sim/scene/fabrics.h"
 #include "sim/scene/mesh.h"
 #include "sim/simulation.h"
@@ -22,37 +22,6 @@ struct Band {
     double low, high;  ///< [%]
 };
 constexpr Band bands[] = {{"silk", 20, 40}, {"cotton", 60, 76}, {"wool", 40, 70}, {"denim", 70, 90}};
-
-/// Area of the sheet's shadow under light from above, on a grid of half a millimetre [m²].
-double shadow_area(const State& state, const Triangles& triangles) {
-    constexpr double cell = 5e-4;
-    constexpr int n = 700;  // ±17.5 cm
-    std::vector<bool> covered(static_cast<std::size_t>(n) * n, false);
-    for (int t = 0; t < triangles.rows(); ++t) {
-        std::array<Vec2, 3> p;
-        for (int i = 0; i < 3; ++i) {
-            const Vec3 x = state.positions.segment<3>(3 * triangles(t, i));
-            p[i] = Vec2(x.x(), x.z()) / cell + Vec2::Constant(0.5 * n);
-        }
-        auto side = [](const Vec2& a, const Vec2& b, const Vec2& c) {
-            return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-        };
-        const double sign = side(p[0], p[1], p[2]) < 0.0 ? -1.0 : 1.0;
-        const Vec2 low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
-        for (int j = std::max(0, static_cast<int>(low.y())); j <= std::min(n - 1, static_cast<int>(high.y()));
-             ++j) {
-            for (int i = std::max(0, static_cast<int>(low.x()));
-                 i <= std::min(n - 1, static_cast<int>(high.x())); ++i) {
-                const Vec2 c(i + 0.5, j + 0.5);
-                if (sign * side(p[0], p[1], c) >= 0.0 && sign * side(p[1], p[2], c) >= 0.0 &&
-                    sign * side(p[2], p[0], c) >= 0.0) {
-                    covered[static_cast<std::size_t>(j) * n + i] = true;
-                }
-            }
-        }
-    }
-    return cell * cell * static_cast<double>(std::count(covered.begin(), covered.end(), true));
-}
 
 }  // namespace
 
@@ -85,7 +54,8 @@ double cusick_drape_coefficient(const Fabric& fabric, int rings) {
     for (int frame = 0; frame < 120; ++frame) run_frame(simulation);
     const double inner = std::numbers::pi * pedestal_radius * pedestal_radius;
     const double outer = std::numbers::pi * disc_radius * disc_radius;
-    return 100.0 * (shadow_area(simulation.state(), simulation.model().triangles) - inner) / (outer - inner);
+    const double shadow = shadow_area(simulation.state().positions, simulation.model().triangles, 5e-4);
+    return drape_coefficient(shadow, inner, outer);
 }
 
 Outcome check_drape(const Parameters& parameters) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/plot.h"
 #include "sim/scene/scene.h"
-#include "validation/plot.h"
 
 namespace cloth::validation {
 

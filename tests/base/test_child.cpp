@@ -1,11 +1,15 @@
 // Work in a process of its own: its answer, and what becomes of it where it crashes, hangs or grows.
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <cstdio>
 #include <cstdlib>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -78,3 +82,39 @@ TEST_CASE("a child that grows is stopped", "[child]") {
               {.memory = 200'000'000}) == "needs more memory than 200 MB");
 }
 #endif
+
+TEST_CASE("children work side by side, print into a file and share memory", "[child]") {
+    const SharedMemory memory(sizeof(std::atomic<int>));
+    auto* seen = new (memory.data()) std::atomic<int>(0);
+    const std::string path = "child_output_" + std::to_string(::getpid());
+    const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600);
+    std::vector<Child> children;
+    for (int i = 0; i < 3; ++i)
+        children.emplace_back(
+            [seen, i] {
+                ++*seen;
+                while (*seen < 3) ::usleep(1000);  // none ends before all have begun
+                std::fputs("said\n", stderr);
+                return std::to_string(i);
+            },
+            ChildLimits{.seconds = 30}, file);
+    for (int i = 0; i < 3; ++i) {
+        while (children[i].receive()) {
+        }
+        CHECK(children[i].answer() == std::to_string(i));
+    }
+    char text[100];
+    CHECK(::pread(file, text, sizeof text, 0) == 15);
+    ::close(file);
+    ::unlink(path.c_str());
+
+    Child endless(
+        []() -> std::string {
+            while (true) ::pause();
+        },
+        ChildLimits{.seconds = 0});
+    endless.end();
+    while (endless.receive()) {
+    }
+    CHECK_THROWS_WITH(endless.answer(), "ended with signal 9");
+}

@@ -7,6 +7,7 @@
 
 #include "docs/markdown.h"
 #include "pipeline/scene_file/scene_file.h"
+#include "pipeline/sweep/sweep_file.h"
 
 namespace cloth::testing {
 namespace fs = std::filesystem;
@@ -66,8 +67,17 @@ class Checker {
         if (!anchors.contains(anchor.substr(1))) fault(link.line, "no heading " + link.target);
     }
 
+    void check_sweep(const Code& block) {
+        try {
+            pipeline::parse_sweep(block.text, "example.toml");
+        } catch (const std::exception& e) {
+            fault(block.line, std::string("does not load: ") + e.what());
+        }
+    }
+
     void check_toml(const Code& block) {
         std::string text = block.text;
+        if (text.find("\nscene = ") != std::string::npos) return check_sweep(block);
         if (!text.starts_with("version") && text.find("\nversion") == std::string::npos)
             text = "version = 1\n" + text;
         if (text.find("[[cloth]]") == std::string::npos) text += "\n[[cloth]]\n";
@@ -99,7 +109,8 @@ class Checker {
         const auto words = arguments_of(line);
         if (words.empty()) return "";
         if (words[0].starts_with("./")) check_file(words[0], number);
-        if (words[0] == "./demo") check_arguments("", {words.begin() + 1, words.end()}, number);
+        const bool own = words.size() == 2 && known_.demo.find('"' + words[1] + '"') != std::string::npos;
+        if (words[0] == "./demo" && !own) check_arguments("", {words.begin() + 1, words.end()}, number);
         for (std::size_t i = 0; i + 1 < words.size(); ++i) {
             if (words[i] == "--preset" && !known_.presets.contains(words[i + 1]))
                 fault(number, "no preset " + words[i + 1]);

@@ -87,6 +87,7 @@ ProgramWords ask_program(const std::string& binary, const fs::path& root) {
     for (const auto& preset : presets["configurePresets"]) known.presets.insert(preset["name"]);
     known.sources = read_text(root / "CMakeLists.txt") + read_text(root / "CMakePresets.json");
     known.targets = words_of(known.sources);
+    known.demo = read_text(root / "demo");
     for (const char* folder : {"src", "apps", "bench", "scripts"})
         for (const auto& entry : fs::recursive_directory_iterator(root / folder))
             if (entry.is_regular_file()) known.sources += read_text(entry.path());

@@ -19,6 +19,7 @@ struct ProgramWords {
     std::set<std::string> presets, targets;  ///< of CMake
     std::set<std::string> identifiers;       ///< every word of sources, build files and the above
     std::string sources;                     ///< their text
+    std::string demo;                        ///< of ./demo, which has flags of its own
 };
 
 /// `binary`: the program; `root`: the source tree.

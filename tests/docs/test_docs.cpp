@@ -9,6 +9,7 @@
 
 #include "docs/faults.h"
 #include "docs/markdown.h"
+#include "pipeline/sweep/cells.h"
 
 using namespace cloth::testing;
 using Catch::Contains;
@@ -86,6 +87,16 @@ TEST_CASE("the architecture's page has every room that stands", "[docs]") {
     CHECK(rooms > 20);
 }
 
+TEST_CASE("the sweeps that come with the program make cells", "[docs]") {
+    int sweeps = 0;
+    for (const auto& entry : fs::directory_iterator(root / "assets/sweeps")) {
+        INFO(entry.path());
+        CHECK(cloth::pipeline::cells_of(cloth::pipeline::load_sweep(entry.path())).cells.size() > 1);
+        ++sweeps;
+    }
+    CHECK(sweeps > 0);
+}
+
 TEST_CASE("each kind of fault on a page is told with its line", "[docs]") {
     struct Bad {
         std::string markdown, fault;
@@ -117,6 +128,7 @@ TEST_CASE("each kind of fault on a page is told with its line", "[docs]") {
         {"`cmake --preset fast`", "no preset fast"},
         {"    cmake --build --preset release --target test_smi", "no target test_smi"},
         {"```toml\n[[cloth]]\nsise = [1.0, 1.0]\n```", "README.md:2: does not load: "},
+        {"```toml\nversion = 1\nscene = \"cusick\"\n[grit]\n```", "README.md:2: does not load: "},
     };
     for (const Bad& bad : table) {
         const auto faults = faults_of(bad.markdown, "README.md", root, known());

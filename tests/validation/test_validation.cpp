@@ -5,6 +5,7 @@
 #include "validation/elastica.h"
 #include "validation/validation.h"
 
+using namespace cloth;
 using namespace cloth::validation;
 using Catch::Contains;
 

@@ -155,7 +155,7 @@ StartedRun start_run(const fs::path& out, const Wanted& wanted, const RunOptions
             folder.remove(each);
     }
     folder.write_manifest(manifest);
-    auto ledger = std::make_unique<Ledger>(folder.ledger(), plan.kept);
+    auto ledger = std::make_unique<Ledger>(folder.ledger(), plan.kept, options.sync);
     const std::string before = file_fingerprint(folder.scene());
     keep_scene(folder, file);
     write_topology(wanted.model, folder.topology());

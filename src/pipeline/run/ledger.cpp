@@ -82,7 +82,7 @@ LedgerEntries read_ledger(const std::filesystem::path& path) {
     return entries;
 }
 
-Ledger::Ledger(const std::filesystem::path& path, const LedgerEntries& entries) {
+Ledger::Ledger(const std::filesystem::path& path, const LedgerEntries& entries, Sync sync) : sync_(sync) {
     std::string text;
     for (const auto& [frame, entry] : entries.states) text += line_of(frame, entry) + '\n';
     for (const auto& [frame, entry] : entries.pictures) text += line_of(frame, entry) + '\n';
@@ -101,7 +101,7 @@ void Ledger::add(const std::string& line, Sync sync) {
 }
 
 void Ledger::add_state(std::int64_t frame, const StateEntry& entry) {
-    add(line_of(frame, entry), Sync::yes);
+    add(line_of(frame, entry), sync_);
 }
 void Ledger::add_picture(std::int64_t frame, const PictureEntry& entry) {
     add(line_of(frame, entry), Sync::no);  // drawn again as quickly as found missing

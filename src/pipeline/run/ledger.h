@@ -41,7 +41,8 @@ LedgerEntries read_ledger(const std::filesystem::path& path);
 class Ledger {
   public:
     /// Begins anew with `entries`.
-    Ledger(const std::filesystem::path& path, const LedgerEntries& entries);
+    /// `sync`: of the lines of states.
+    Ledger(const std::filesystem::path& path, const LedgerEntries& entries, Sync sync = Sync::yes);
     void add_state(std::int64_t frame, const StateEntry& entry);
     void add_picture(std::int64_t frame, const PictureEntry& entry);
     void add_movie(const std::string& name, const MovieEntry& entry);
@@ -50,6 +51,7 @@ class Ledger {
     void add(const std::string& line, Sync sync);
     std::mutex mutex_;
     std::unique_ptr<LineFile> file_;
+    Sync sync_;
 };
 
 }  // namespace cloth::pipeline

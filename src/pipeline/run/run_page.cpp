@@ -278,6 +278,7 @@ void write_run_page(const fs::path& out, const RunOptions& options) {
 }
 
 void leave_run_page(const fs::path& out, const RunOptions& options) {
+    if (!options.page) return;
     try {
         write_run_page(out, options);
     } catch (const std::exception& e) {

@@ -13,7 +13,8 @@ namespace cloth::pipeline {
 /// run or no states, or cannot be written; Error(interrupted).
 void write_run_page(const std::filesystem::path& out, const RunOptions& options);
 
-/// The same where the run itself has just been made: what goes wrong is told and fails nothing.
+/// The same where the run itself has just been made, unless options.page says no: what goes wrong is told and
+/// fails nothing.
 void leave_run_page(const std::filesystem::path& out, const RunOptions& options);
 
 /// What two runs differ by.

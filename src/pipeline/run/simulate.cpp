@@ -162,7 +162,7 @@ void simulate_frames(const Making& run, Stages& stages, StatesMade& made) {
         {
             const TimedScope watch(record.store);
             const std::string bytes =
-                write_state(*state, run.folder().state(frame), Compression::fast, Sync::yes);
+                write_state(*state, run.folder().state(frame), Compression::fast, run.options.sync);
             record.state_hash = state_hash(*state);
             record.host = host_name();
             run.started.ledger->add_state(

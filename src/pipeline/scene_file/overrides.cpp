@@ -17,11 +17,16 @@ const std::vector<std::vector<std::string>> alternatives{
     {"cloth.fabric.young_modulus", "cloth.fabric.lambda"},
     {"cloth.fabric.poisson_ratio", "cloth.fabric.mu"},
     {"cloth.fabric.poisson_ratio", "cloth.fabric.lambda"},
+    {"part.fabric.young_modulus", "part.fabric.mu"},
+    {"part.fabric.young_modulus", "part.fabric.lambda"},
+    {"part.fabric.poisson_ratio", "part.fabric.mu"},
+    {"part.fabric.poisson_ratio", "part.fabric.lambda"},
     {"collider.contact_offset", "collider.contact_radius"},
-    {"pin.vertices", "pin.box", "pin.nearest", "pin.greatest", "pin.edge"},
-    {"seam.first.vertices", "seam.first.box", "seam.first.nearest", "seam.first.greatest", "seam.first.edge"},
+    {"pin.vertices", "pin.box", "pin.nearest", "pin.greatest", "pin.edge", "pin.part"},
+    {"seam.first.vertices", "seam.first.box", "seam.first.nearest", "seam.first.greatest", "seam.first.edge",
+     "seam.first.part"},
     {"seam.second.vertices", "seam.second.box", "seam.second.nearest", "seam.second.greatest",
-     "seam.second.edge"},
+     "seam.second.edge", "seam.second.part"},
 };
 
 bool is_list(const std::string& table) {
@@ -122,9 +127,10 @@ void Reader::override_key(const Override& wanted) {
             }
             path += (path.empty() ? "" : ".") + fmt::format("{}[{}]", name, number);
         } else {
-            if (plain == "cloth.fabric" && !table->contains(name)) table->insert(name, default_fabric().name);
+            const bool fabric = plain == "cloth.fabric" || plain == "part.fabric";
+            if (fabric && !table->contains(name)) table->insert(name, default_fabric().name);
             if (!table->contains(name)) table->insert(name, toml::table{});
-            if (toml::node* word = table->get(name); plain == "cloth.fabric" && word->is_string()) {
+            if (toml::node* word = table->get(name); fabric && word->is_string()) {
                 toml::table named;
                 named.insert("base", std::move(*word->as_string()));
                 table->insert_or_assign(name, std::move(named));

@@ -324,8 +324,10 @@ void describe(V& v, ClothDesc& c) {
           "of a mesh: uv: each triangle is at rest as its texture coordinates have it, as a pattern is cut; "
           "default: mesh");
     });
-    v("uv_scale", c.uv_scale, "m", ranges::length,
-      "of rest = \"uv\": a unit of texture coordinates; default: as large as the mesh");
+    v.when(c.rest == RestShape::uv, [&] {
+        v("uv_scale", c.uv_scale, "m", ranges::length,
+          "of rest = \"uv\": a unit of texture coordinates; default: as large as the mesh");
+    });
     v("scale", c.transform.scale, "", range(1e-6, 1e6), "of the start pose");
     v("rotate", c.transform.rotate, "degree", ranges::turn,
       "of the start pose, about fixed x, then y, then z");

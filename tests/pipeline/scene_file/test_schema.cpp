@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipeline/formats/mesh_cache_file.h"
+#include "pipeline/formats/obj.h"
 #include "pipeline/formats/ply.h"
 #include "pipeline/scene_file/scene_text.h"
 #include "pipeline/scene_file/tables.h"
@@ -98,7 +99,31 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
     // What follows a cloth's size where it is not said.
     const std::string lengths =
         "contact_thickness = 1e-3\nhem = 2e-3\n[simulation]\ncontact_activation = 1e-3\n";
+    // A cloth of two parts with texture coordinates.
+    const std::string parts = (folder / "parts.obj").string(),
+                      cut = sheet("name = \"a\"\nmesh = \"" + parts + "\"\n"),
+                      part =
+                          cut +
+                          "[[part]]\nname = \"low\"\nfabric = { young_modulus = 1e4, poisson_ratio = 0.3 }\n";
     std::map<std::string, Setting> all{
+        {"cloth.edge_length", {.needs = {"cloth.mesh=" + mesh}, .scene = sheet(lengths)}},
+        {"cloth.rest", {.needs = {"cloth.mesh=" + parts}, .value = "\"uv\"", .scene = sheet(lengths)}},
+        {"cloth.uv_scale",
+         {.needs = {"cloth.mesh=" + parts, "cloth.rest=uv"}, .value = "1.01", .scene = sheet(lengths)}},
+        {"part.cloth",
+         {.value = "\"b\"",
+          .scene = cut + "[[cloth]]\nname = \"b\"\nmesh = \"" + parts + "\"\n[[part]]\nname = \"low\"\n"}},
+        {"part.name", {.value = "\"high\"", .scene = part}},
+        {"pin.part", {.value = "\"high\"", .scene = cut + "[[pin]]\nnearest = [0, 0, 0]\n"}},
+        {"pin.collider",
+         {.value = "\"ball\"",
+          .scene = "version = 1\n[[cloth]]\n[[collider]]\nname = \"ball\"\n[[pin]]\nnearest = [0, 0, 0]\n"}},
+        {"seam.first.part",
+         {.value = "\"high\"",
+          .scene = cut + "[[seam]]\nfirst = { part = \"low\" }\nsecond = { part = \"high\" }\n"}},
+        {"seam.second.part",
+         {.value = "\"low\"",
+          .scene = cut + "[[seam]]\nfirst = { part = \"low\" }\nsecond = { part = \"high\" }\n"}},
         {"simulation.integrator", {.value = "\"tr_bdf2\""}},
         {"simulation.contact", {.value = "\"penalty\""}},
         {"cloth.name", {.scene = sheet()}},
@@ -151,6 +176,19 @@ std::map<std::string, Setting> settings(const fs::path& folder) {
         {"expect.min_gap", {.value = "0.0005"}},
         {"output.shade_range", {.needs = {"output.shade=gap"}, .value = "[-0.25, 0.5]"}},
     };
+    // A part's fabric is as a cloth's.
+    SceneFile each = scene_of_each();
+    for (const Table& table : tables_of(each, each.files)) {
+        if (table.name != "part.fabric") continue;
+        for (const Field& field : table.fields) {
+            const auto cloth = all.find("cloth.fabric." + field.key);
+            Setting own = cloth == all.end() ? Setting{} : cloth->second;
+            for (Override& need : own.needs)
+                need = Override("part" + need.setting.substr(std::string("cloth").size()));
+            own.scene = part;
+            all["part.fabric." + field.key] = own;
+        }
+    }
     for (const char* side : {"seam.first.", "seam.second."}) {
         all[std::string(side) + "cloth"] = {
             .value = "\"b\"",
@@ -191,6 +229,12 @@ TEST_CASE("every key is read into its own place, written, and read back to the b
     const MeshData rest = make_grid({.resolution = {3, 3}});
     spit(folder / "rest.ply", ply_bytes(rest));
     spit(folder / "print.ply", ply_bytes(rest));
+    MeshData parts = rest;
+    parts.parts = {{"high", {4, 5, 6, 7}}, {"low", {0, 1, 2, 3}}};
+    parts.uv.resize(24, 2);
+    for (Eigen::Index i = 0; i < 24; ++i)
+        parts.uv.row(i) = rest.positions.row(rest.triangles(i / 3, static_cast<int>(i % 3))).head<2>();
+    spit(folder / "parts.obj", obj_text(parts));
     write_mesh_cache({{rest.positions, rest.positions}, {}, {}}, folder / "rest.npz");
     render::write_png({2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, folder / "print.png");
     const std::map<std::string, Setting> special = settings(folder.path());

@@ -1,4 +1,4 @@
-#include "validation/plot.h"
+#include "base/plot.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 
-namespace cloth::validation {
+namespace cloth {
 namespace {
 
 constexpr double width = 640, height = 420, left = 78, right = 20, top = 40, bottom = 58;
@@ -44,16 +44,16 @@ struct Axis {
     }
 };
 
-Axis make_axis(const Plot& plot, int dimension, bool logarithmic) {
+Axis make_axis(const Plot& plot, double PlotPoint::*coordinate, bool logarithmic) {
     Axis axis;
     axis.logarithmic = logarithmic;
     axis.low = 1e300;
     axis.high = -1e300;
     for (const Curve& curve : plot.curves) {
         for (const auto& p : curve.points) {
-            if (!std::isfinite(p(dimension)) || (logarithmic && p(dimension) <= 0.0)) continue;
-            axis.low = std::min(axis.low, axis.value(p(dimension)));
-            axis.high = std::max(axis.high, axis.value(p(dimension)));
+            if (!std::isfinite(p.*coordinate) || (logarithmic && p.*coordinate <= 0.0)) continue;
+            axis.low = std::min(axis.low, axis.value(p.*coordinate));
+            axis.high = std::max(axis.high, axis.value(p.*coordinate));
         }
     }
     if (axis.low > axis.high) axis.low = 0.0, axis.high = 1.0;
@@ -66,7 +66,7 @@ Axis make_axis(const Plot& plot, int dimension, bool logarithmic) {
 }  // namespace
 
 std::string to_svg(const Plot& plot) {
-    Axis x = make_axis(plot, 0, plot.log_x), y = make_axis(plot, 1, plot.log_y);
+    Axis x = make_axis(plot, &PlotPoint::x, plot.log_x), y = make_axis(plot, &PlotPoint::y, plot.log_y);
     x.page_low = left;
     x.page_high = width - right;
     y.page_low = height - bottom;
@@ -99,8 +99,9 @@ std::string to_svg(const Plot& plot) {
     }
     svg += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#444\"/>\n",
                        left, top, width - left - right, height - top - bottom);
-    auto visible = [&](const Eigen::Vector2d& p) {
-        return p.allFinite() && (!plot.log_x || p.x() > 0.0) && (!plot.log_y || p.y() > 0.0);
+    auto visible = [&](const PlotPoint& p) {
+        return std::isfinite(p.x) && std::isfinite(p.y) && (!plot.log_x || p.x > 0.0) &&
+               (!plot.log_y || p.y > 0.0);
     };
     for (std::size_t c = 0; c < plot.curves.size(); ++c) {
         const Curve& curve = plot.curves[c];
@@ -112,9 +113,9 @@ std::string to_svg(const Plot& plot) {
                 svg += fmt::format(
                     "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"white\" stroke=\"{}\" "
                     "stroke-width=\"2\"/>\n",
-                    x.page(p.x()), y.page(p.y()), colour);
+                    x.page(p.x), y.page(p.y), colour);
             } else {
-                line += fmt::format("{}{:.1f},{:.1f}", line.empty() ? "" : " ", x.page(p.x()), y.page(p.y()));
+                line += fmt::format("{}{:.1f},{:.1f}", line.empty() ? "" : " ", x.page(p.x), y.page(p.y));
             }
         }
         if (!line.empty()) {
@@ -135,4 +136,4 @@ std::string to_svg(const Plot& plot) {
     return svg + "</svg>\n";
 }
 
-}  // namespace cloth::validation
+}  // namespace cloth

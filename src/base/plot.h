@@ -4,13 +4,15 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+namespace cloth {
 
-namespace cloth::validation {
+struct PlotPoint {
+    double x = 0, y = 0;
+};
 
 struct Curve {
     std::string label;
-    std::vector<Eigen::Vector2d> points;
+    std::vector<PlotPoint> points;
     bool markers = false;  ///< circles instead of a line
 };
 
@@ -24,4 +26,4 @@ struct Plot {
 /// The whole SVG file. Points that a logarithmic axis cannot show are left out.
 std::string to_svg(const Plot& plot);
 
-}  // namespace cloth::validation
+}  // namespace cloth
