@@ -278,10 +278,10 @@ def use_goldens(browser):
 def look_at_a_large_run(browser):
     """300 frames of 6,400 vertices, and a movie without loss under a camera that turns."""
     page = FOLDER / "large/report.html"
-    check(5e6 < page.stat().st_size < 30e6, f"300 frames are below 30 MB: {page.stat().st_size / 1e6:.1f} MB")
+    check(2e6 < page.stat().st_size < 30e6, f"300 frames are below 30 MB: {page.stat().st_size / 1e6:.1f} MB")
     browser.open(page)
     browser.ready()
-    check("th frame is here" in browser.run("return document.body.textContent"), "it says what is left out")
+    check("every 2nd frame is here" in browser.run("return document.body.textContent"), "it says what is left out")
     browser.run("clothPage.cursor.set(299)")
     browser.until("!document.querySelector('video').seeking", "the movie has sought")
     browser.good("300 frames")
@@ -302,7 +302,7 @@ def main():
     program("bless", "b.toml", "--golden", "g", "--out", "blessed")
     program("compare", "b.toml", "--golden", "g", "--out", "compared", "--set", "simulation.gravity=[0,-9.5,0]", code=6)
     (FOLDER / "large.toml").write_text('version = 1\n[simulation]\nintegrator = "linearly_implicit_euler"\n'
-                                       'contact = "velocity_filter"\n[[cloth]]\nresolution = 80\nrotate = [-90, 0, 0]\n'
+                                       'contact = "velocity_filter"\n[[cloth]]\nresolution = 80\nrotate = [-90, 0, 0]\nfabric.strain_limit = 0\n'
                                        "[output]\nframes = 300\nsize = [480, 270]\nquality = 0\n[camera]\n"
                                        "turntable = 40\n[[pin]]\nnearest = [-0.5, 0, -0.5]\n[[pin]]\nnearest = [0.5, 0, -0.5]\n")
     program("--scene", "large.toml", "--out", "large", "--quiet")

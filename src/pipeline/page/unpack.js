@@ -2,7 +2,7 @@
 //   frames [k], every, low [x, y, z], size [x, y, z], vertices, triangles, aspect (of the movie's pictures),
 //   cameras [[position, target, up, vertical field of view in degrees: 10 numbers]],
 //   cloths [{first, count, color}], colliders [{vertices, triangles, color, bends, poses [[16 numbers] | null]}],
-//   fields [{name, label, unit, low, high, below, above}], shade (name of the field to begin with), ground (y),
+//   fields [{name, label, unit, low, high, below, above, log}], shade (name of the field to begin with), ground (y),
 //   left_out [name of a collider], colors (base64 of 256 r g b), data (base64 of zlib, or empty: it found no room), of:
 //     int32 triangles of the cloths; for each collider float32 x y z of its vertices, int32 triangles;
 //     then for each frame, axis by axis, shares of the box in uint16, less those of the frame before: the lower bytes of all

@@ -10,7 +10,7 @@ class Pane {
     this.view = run.view;
     this.scene = scene;
     this.world = new THREE.Scene();
-    this.plain = [new THREE.HemisphereLight(0xffffff, 0x8a8f98, 0.72), new THREE.DirectionalLight(0xffffff, 0.5)];
+    this.plain = [new THREE.HemisphereLight(0xffffff, 0x9a9fa8, 0.85), new THREE.DirectionalLight(0xffffff, 0.4)];
     this.plain[1].position.set(-1, 1.5, 1);
     // As pictures are shaded: what faces the eye has the colour of the scale.
     this.shaded = [new THREE.AmbientLight(0xffffff, 0.55), new THREE.DirectionalLight(0xffffff, 0.45)];
@@ -54,7 +54,7 @@ class Pane {
     return f;
   }
 
-  /** `range`: of the field, {low, high, log}; null: the cloths' own colours. */
+  /** `range`: of the field, {low, high}; null: the cloths' own colours. */
   color(name, range) {
     this.field = range ? this.view.fields.findIndex((field) => field.name === name) : -1;
     if (this.field < 0) return;
@@ -194,7 +194,7 @@ function viewOf(runs, cursor) {
     if (range) {
       const beyond = (end) => same.some((field) => field[end]);
       low.textContent = (beyond('below') ? '≤ ' : '') + shown(range.low, same[0].unit);
-      high.textContent = (beyond('above') ? '≥ ' : '') + shown(range.high, same[0].unit);
+      high.textContent = (beyond('above') ? '≥ ' : '') + shown(range.high, same[0].unit) + (same[0].log ? ', logarithmic' : '');
     }
     show(cursor.frame);
   };

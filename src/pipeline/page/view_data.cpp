@@ -215,7 +215,8 @@ void ViewRecorder::end() {
                           {"low", range.low},
                           {"high", range.high},
                           {"below", range.below},
-                          {"above", range.above}});
+                          {"above", range.above},
+                          {"log", fields_[k].log}});
     }
 
     std::size_t every = 1;
