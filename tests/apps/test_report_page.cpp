@@ -78,7 +78,7 @@ TEST_CASE("the view of a page is coloured as the scene's pictures are", "[cli][p
 
 TEST_CASE("a page says what is broken, and does not outlive what it shows", "[cli][page]") {
     const Workplace place;
-    CHECK(place.run(base + "--frames 3 --no-video --set expect.max_stretch=1.0001").code == 8);
+    CHECK(place.run(base + "--frames 3 --no-video --set expect.max_seconds_per_frame=0").code == 8);
     nlohmann::json data = data_of(slurp(place / "o/report.html"));
     CHECK(data["verdict"]["text"] == "a limit is broken");
     CHECK(data["runs"][0]["expect"][0]["holds"] == false);

@@ -159,7 +159,7 @@ RunDifference write_comparison_page(const fs::path& a, const fs::path& b, const 
                                 file.string()));
     const std::string label_a = a.string(), label_b = b.string();
     const Pair pair(a, b);
-    Json columns;
+    Json columns = Json::object();
     const RunDifference difference = pair.compare(options, columns);
     std::optional<ViewField> apart;
     if (difference.first) apart = pair.field(difference);
