@@ -1,4 +1,5 @@
-// A sheet falls onto a ball; its last frame becomes falling_sheet.png. Built against an installed render_cloth:
+// A sheet falls onto a ball; its last frame becomes falling_sheet.png. Built against an installed
+// render_cloth:
 //   cmake -B build && cmake --build build && build/falling_sheet
 #include <iostream>
 
@@ -14,7 +15,8 @@ int main() {
         rotate = [-90.0, 0.0, 0.0]
         translate = [0.0, 0.3, 0.0]
         [[collider]]
-    )", "falling_sheet.toml", ".");
+    )",
+                                                   "falling_sheet.toml", ".");
 
     cloth::Simulation simulation(file.scene);
     for (int frame = 1; frame <= 12; ++frame) {
@@ -25,6 +27,7 @@ int main() {
     std::cout << "vertex 0 stands at " << q.head<3>().transpose() << " m\n";
 
     cloth::render::Rasterizer rasterizer;
-    cloth::pipeline::PictureMaker pictures(file, simulation.model(), cloth::pipeline::facts_of(file), rasterizer);
+    cloth::pipeline::PictureMaker pictures(file, simulation.model(), cloth::pipeline::facts_of(file),
+                                           rasterizer);
     cloth::render::write_png(pictures.draw(simulation.state()), "falling_sheet.png");
 }

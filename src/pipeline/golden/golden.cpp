@@ -21,6 +21,7 @@
 #include "pipeline/picture/camera.h"
 #include "pipeline/picture/frame_builder.h"
 #include "pipeline/run/kept_run.h"
+#include "pipeline/run/run_page.h"
 #include "pipeline/scene_file/picture_schema.h"
 #include "render/raster/rasterizer.h"
 #include "sim/simulation.h"
@@ -239,31 +240,33 @@ void conclude(GoldenResult& result) {
                                 [](const GoldenRow& row) { return row.state.passed && row.image.passed; });
 }
 
-}  // namespace
-
-GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
-                            int threads, render::GlLibrary gl) {
-    require_place(out, scene_file);
-    // Missing goldens are told of before any work is done.
-    for (const std::int64_t frame : golden_frames(scene_file))
+/// What the goldens in a folder tell of themselves. Throws Error(golden_mismatch) where they are not all
+/// there.
+GoldenFacts whole_goldens(const SceneFile& file, const fs::path& golden,
+                          const std::vector<std::int64_t>& frames) {
+    for (const std::int64_t frame : frames)
         for (const fs::path& path :
              {golden / "golden.json", golden_state(golden, frame), golden_image(golden, frame)}) {
             std::error_code failure;
             if (!fs::is_regular_file(path, failure))
                 throw Error(ExitCode::golden_mismatch,
-                            fmt::format("{}: the golden {} is missing; make it with {}", scene_file.name,
-                                        path.string(), bless_command(scene_file.name)));
+                            fmt::format("{}: the golden {} is missing; make it with {}", file.name,
+                                        path.string(), bless_command(file.name)));
         }
-    const GoldenFacts facts = read_facts(golden);
+    GoldenFacts facts = read_facts(golden);
     if (facts.frames.empty())
         throw Error(ExitCode::golden_mismatch,
                     fmt::format("{}: the goldens in {} were not written to their end; make them with {}",
-                                scene_file.name, golden.string(), bless_command(scene_file.name)));
-    Session session(scene_file, threads, gl);
+                                file.name, golden.string(), bless_command(file.name)));
+    return facts;
+}
+
+/// The states of the session's frames against the goldens: the result, and the page's part of each frame.
+nlohmann::ordered_json compare_states(Session& session, const GoldenFacts& facts, const fs::path& golden,
+                                      const std::vector<State>& states) {
     GoldenResult& result = session.result;
     result.golden_build = facts.build;
     result.golden_renderer = facts.renderer;
-    const std::vector<State> states = simulate(session.simulation, result.scene, session.frames);
     const StateGate gate{facts.build == result.actual_build, result.state_tolerance};
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < states.size(); ++i) {
@@ -286,8 +289,48 @@ GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden,
         result.rows.push_back(std::move(row));
     }
     conclude(result);
-    result.report = write_page(result, rows, out);
-    return std::move(result);
+    return rows;
+}
+
+}  // namespace
+
+GoldenResult compare_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
+                            int threads, render::GlLibrary gl) {
+    require_place(out, scene_file);
+    // Missing goldens are told of before any work is done.
+    const GoldenFacts facts = whole_goldens(scene_file, golden, golden_frames(scene_file));
+    Session session(scene_file, threads, gl);
+    const std::vector<State> states = simulate(session.simulation, session.result.scene, session.frames);
+    nlohmann::ordered_json rows = compare_states(session, facts, golden, states);
+    session.result.report = write_page(session.result, std::move(rows), out);
+    return std::move(session.result);
+}
+
+GoldenResult compare_kept_run(const fs::path& run, const fs::path& goldens, const RunOptions& options) {
+    const KeptRun kept = open_run(run);
+    const fs::path golden = goldens / kept.file.name;
+    std::vector<std::int64_t> frames;
+    const std::vector<std::int64_t> there = kept.folder.kept_states();
+    for (const std::int64_t frame : golden_frames(kept.file))
+        if (std::binary_search(there.begin(), there.end(), frame)) frames.push_back(frame);
+    if (frames.empty())
+        throw Error(ExitCode::golden_mismatch,
+                    fmt::format("{}: keeps none of the golden frames of {}", run.string(), kept.file.name));
+    const GoldenFacts facts = whole_goldens(kept.file, golden, frames);
+    Session session(kept.file, options.threads, options.gl);
+    // What the program's own build is in compare_golden().
+    session.result.actual_build = kept.folder.read_manifest().build;
+    const std::string own = facts.build + "; ";
+    if (session.result.actual_build.starts_with(own)) session.result.actual_build = facts.build;
+    const StateReader read = state_reader(kept.folder, kept.model);
+    std::vector<State> states;
+    for (const std::int64_t frame : frames) states.push_back(read_kept(read, frame));
+    session.frames = frames;
+    nlohmann::ordered_json rows = compare_states(session, facts, golden, states);
+    const nlohmann::ordered_json part = page_part(session.result, std::move(rows), 5'000'000);
+    write_run_page(run, options, &part);
+    session.result.report = kept.folder.page();
+    return std::move(session.result);
 }
 
 GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, const fs::path& out,
@@ -334,7 +377,7 @@ GoldenResult bless_golden(const SceneFile& scene_file, const fs::path& golden, c
             }
     write_facts(golden, result, session.frames);
     conclude(result);
-    result.report = write_page(result, rows, out);
+    result.report = write_page(result, std::move(rows), out);
     return std::move(result);
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/run/run_options.h"
 #include "pipeline/scene_file/scene_file.h"
 #include "render/gl/gl_library.h"
 #include "render/image/image.h"
@@ -65,6 +66,11 @@ std::string golden_table(const GoldenResult& result);
 GoldenResult compare_golden(const SceneFile& file, const std::filesystem::path& golden,
                             const std::filesystem::path& out, int threads,
                             render::GlLibrary gl = render::GlLibrary::automatic);
+/// Compares the states that a run keeps with the goldens in the folder of its scene in `goldens`; its page
+/// report.html shows them beside the run. Throws Error(golden_mismatch) where goldens are missing, or no
+/// golden frame is kept; as write_run_page().
+GoldenResult compare_kept_run(const std::filesystem::path& run, const std::filesystem::path& goldens,
+                              const RunOptions& options);
 /// Re-runs the scene and replaces its goldens; returns the comparison with what stood there before (no rows
 /// where nothing did). Only files of goldens are replaced or removed.
 GoldenResult bless_golden(const SceneFile& file, const std::filesystem::path& golden,

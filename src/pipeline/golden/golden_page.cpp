@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/text.h"
@@ -21,10 +23,38 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// By which pictures of differences are brightened.
+constexpr int difference_gain = 16;
+
+/// Takes their pictures from the rows that find no room in `most` bytes, and gives the number of these.
+std::size_t drop_pictures(nlohmann::ordered_json& rows, std::size_t most) {
+    std::size_t bytes = 0, dropped = 0;
+    const auto take = [&](nlohmann::ordered_json& row) {
+        constexpr std::array keys{"before", "after", "difference", "moved", "moved_difference"};
+        std::size_t own = 0;
+        for (const char* key : keys)
+            if (row.contains(key)) own += row[key].get_ref<const std::string&>().size();
+        if (bytes + own <= most) {
+            bytes += own;
+            return;
+        }
+        for (const char* key : keys) row.erase(key);
+        ++dropped;
+    };
+    for (const bool good : {false, true})  // what differs is what is looked for
+        for (nlohmann::ordered_json& row : rows)
+            if (row["good"] == good) take(row);
+    return dropped;
+}
+
 /// The picture, to be shown in a page.
 std::string url_of(const render::Image& image) {
     const std::vector<std::uint8_t> png = render::encode_png(image);
     return picture_url({reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
+std::string title_of(const GoldenResult& result) {
+    return fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
 }
 
 const char* word(bool passed) {
@@ -72,26 +102,51 @@ std::string golden_table(const GoldenResult& result) {
 nlohmann::ordered_json row_json(const GoldenRow& row, const render::Image* golden,
                                 const render::Image* actual, const render::Image* moved) {
     const render::ImageDifference& d = row.image.difference;
-    nlohmann::ordered_json json = {
-        {"frame", row.frame},
-        {"good", row.state.passed && row.image.passed},
-        {"picture_good", row.image.passed},
-        {"state", fmt::format("{}, distance {} m. {}", word(row.state.passed), distance_text(row.state),
-                              row.state.reason)},
-        {"picture",
-         fmt::format(
-             "{}, PSNR {} dB, over 2: {:.3f} %, over 32: {:.3f} %, worst by {} of 255 at ({}, {}). {}",
-             word(row.image.passed), psnr_text(row.image), 100 * d.fraction_over_2, 100 * d.fraction_over_32,
-             d.largest, d.worst_x, d.worst_y, row.image.reason)}};
+    nlohmann::ordered_json json = {{"frame", row.frame},
+                                   {"good", row.state.passed && row.image.passed},
+                                   {"state_good", row.state.passed},
+                                   {"picture_good", row.image.passed},
+                                   {"distance", distance_text(row.state)},
+                                   {"psnr", psnr_text(row.image)},
+                                   {"over_2", fmt::format("{:.3f} %", 100 * d.fraction_over_2)},
+                                   {"over_32", fmt::format("{:.3f} %", 100 * d.fraction_over_32)},
+                                   {"reasons", nlohmann::ordered_json::array()}};
+    if (!row.state.passed) json["reasons"].push_back("State: " + row.state.reason);
+    if (!row.image.passed) json["reasons"].push_back("Picture: " + row.image.reason);
+    const auto difference = [&](const render::Image& now) {
+        return url_of(render::magnified_difference(*golden, now, difference_gain));
+    };
+    json["gain"] = difference_gain;
     if (golden != nullptr) json["before"] = url_of(*golden);
-    if (actual != nullptr) json["after"] = url_of(*actual);
-    if (golden != nullptr && actual != nullptr && d.same_size)
-        json["difference"] = url_of(render::magnified_difference(*golden, *actual, 16));
-    if (moved != nullptr) json["moved"] = url_of(*moved);
+    // Where nothing differs the golden says it all.
+    if (actual != nullptr && !row.image.passed) {
+        json["after"] = url_of(*actual);
+        if (golden != nullptr && d.same_size) json["difference"] = difference(*actual);
+    }
+    if (moved != nullptr) {
+        json["moved"] = url_of(*moved);
+        if (golden != nullptr && golden->width == moved->width && golden->height == moved->height)
+            json["moved_difference"] = difference(*moved);
+    }
     return json;
 }
 
-std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ordered_json& rows,
+nlohmann::ordered_json page_part(const GoldenResult& result, nlohmann::ordered_json rows, std::size_t most) {
+    nlohmann::ordered_json part;
+    const std::size_t dropped = drop_pictures(rows, most);
+    part["title"] = title_of(result);
+    part["text"] = dropped == 0 ? std::string()
+                                : fmt::format("The pictures of {} find no room in this page.",
+                                              plural(static_cast<std::int64_t>(dropped), "frame"));
+    part["rows"] = std::move(rows);
+    part["command"] = bless_command(result.scene);
+    part["states"] = result.golden_build == result.actual_build
+                         ? "every bit"
+                         : fmt::format("less than {:.1g} m", result.state_tolerance);
+    return part;
+}
+
+std::filesystem::path write_page(const GoldenResult& result, nlohmann::ordered_json rows,
                                  const fs::path& out) {
     std::error_code failure;
     fs::create_directories(out, failure);
@@ -100,7 +155,7 @@ std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ord
     const fs::path path = out / "golden.html";
     nlohmann::ordered_json data;
     data["mark"] = own_mark;
-    data["title"] = fmt::format("{}: golden frames {}", result.scene, result.passed ? "agree" : "differ");
+    data["title"] = title_of(result);
     data["verdict"] = {{"text", result.passed ? "agree" : "differ"},
                        {"tone", result.passed ? "good" : "bad"}};
     data["facts_head"] = {"", "golden", "now"};
@@ -111,7 +166,7 @@ std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ord
         nlohmann::ordered_json::array({fact("build", result.golden_build, result.actual_build),
                                        fact("renderer", result.golden_renderer, result.actual_renderer)});
     data["text"] = golden_table(result);
-    data["golden"] = {{"rows", rows}, {"command", bless_command(result.scene)}};
+    data["golden"] = page_part(result, std::move(rows), 24'000'000);
     write_file(path, page_text(data));
     return path;
 }

@@ -18,8 +18,12 @@ std::string bless_command(const std::string& scene);
 nlohmann::ordered_json row_json(const GoldenRow& row, const render::Image* golden,
                                 const render::Image* actual, const render::Image* moved = nullptr);
 
+/// The page's part of all of them; pictures that find no room in `most` bytes are taken out, those of frames
+/// that agree first.
+nlohmann::ordered_json page_part(const GoldenResult& result, nlohmann::ordered_json rows, std::size_t most);
+
 /// Writes `out`/golden.html with the parts of all frames, and gives its path. Throws Error(other).
-std::filesystem::path write_page(const GoldenResult& result, const nlohmann::ordered_json& rows,
+std::filesystem::path write_page(const GoldenResult& result, nlohmann::ordered_json rows,
                                  const std::filesystem::path& out);
 
 }  // namespace cloth::pipeline

@@ -11,7 +11,6 @@
 namespace cloth::pipeline {
 namespace {
 
-/// Stands in pages and plots, see run_folder.h.
 using Part = std::pair<std::string_view, std::string>;
 
 /// A template with its marks replaced, each once.
@@ -59,11 +58,14 @@ std::string page_text(const nlohmann::ordered_json& data) {
     std::string style = page_texts::page_css, scripts;
     if (with_runs) {
         style = page_texts::dygraph_min_css + style;
-        scripts = script(page_texts::dygraph_min_js) + script(page_texts::three_min_js) +
-                  script(page_texts::OrbitControls_js);
+        scripts = page_texts::licences_txt + script(page_texts::dygraph_min_js) +
+                  script(page_texts::three_min_js) + script(page_texts::OrbitControls_js);
     }
-    // view.js has what page.js uses.
-    scripts += script(std::string(page_texts::view_js)) + script(page_texts::page_js);
+    // Each uses what those before it have.
+    for (const char* text :
+         {page_texts::base_js, page_texts::player_js, page_texts::charts_js, page_texts::unpack_js,
+          page_texts::view_js, page_texts::golden_js, page_texts::page_js})
+        scripts += script(text);
     return filled(page_texts::page_html, {{"@MARK@", data.value("mark", "")},
                                           {"@TITLE@", escaped(data.value("title", ""))},
                                           {"@STYLE@", style},

@@ -6,8 +6,8 @@
 
 namespace cloth::pipeline {
 
-/// The page that shows `data`, whose form page.js and view.js tell. It loads nothing; texts in `data` may
-/// hold anything.
+/// The page that shows `data`, whose form base.js, golden.js and unpack.js tell. It loads nothing; texts in
+/// `data` may hold anything.
 std::string page_text(const nlohmann::ordered_json& data);
 
 /// "data:image/png;base64,…"

@@ -151,7 +151,8 @@ StartedRun start_run(const fs::path& out, const Wanted& wanted, const RunOptions
         if (!plan.outdated.empty()) folder.remove(folder.scene());
         for (const fs::path& each : plan.outdated) folder.remove(each);
         for (const fs::path& each : folder.parts()) folder.remove(each);
-        for (const fs::path& each : {folder.report(), folder.certificate(), folder.sheet(), folder.overlap()})
+        for (const fs::path& each :
+             {folder.report(), folder.certificate(), folder.page(), folder.sheet(), folder.overlap()})
             folder.remove(each);
     }
     folder.write_manifest(manifest);

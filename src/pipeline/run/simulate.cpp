@@ -250,6 +250,11 @@ Wanted wanted_of(const SceneFile& file, const Model& model, const RunOptions& op
                 draw_overlap(file, simulation.model(), simulation.state(), overlap, *rasterizer), path);
         });
         line += failure ? "; no picture of it: " + line_of(failure) : "; in red in " + path.string();
+        if (!failure) {
+            RunOptions quiet = options;
+            quiet.tell = nullptr;
+            leave_run_page(folder.root(), quiet);  // with the picture
+        }
     }
     throw Error(ExitCode::start_overlap, line);
 }

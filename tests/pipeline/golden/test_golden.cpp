@@ -192,9 +192,10 @@ TEST_CASE("blessed goldens agree with the run that follows", "[golden]") {
     CHECK(result.rows[1].state.largest_distance == 0);
     CHECK(result.rows[1].image.difference.largest == 0);
     CHECK(result.golden_build == build_fingerprint());
-    for (const char* part : {"small: golden frames agree", "render_cloth bless small", "difference, times 16",
-                             "data:image/png;base64,iVBORw0KGgo"})
+    for (const char* part : {"small: golden frames agree", "render_cloth bless small",
+                             "\"before\":\"data:image/png;base64,iVBORw0KGgo"})
         CHECK(page_has(result.report, part));
+    CHECK_FALSE(page_has(result.report, "difference\":"));
     // Also as goldens from elsewhere.
     rename_origin(golden);
     const GoldenResult elsewhere = compare_golden(file, golden, folder / "out", 1);
@@ -221,6 +222,9 @@ TEST_CASE("each golden gate fails when it should, for goldens of this build and 
         CHECK(result.rows[1].state.worst_vertex == 77);
         CHECK(result.rows[0].state.passed);
         CHECK_THAT(golden_table(result), Contains("frame 6, state: vertex 77") && Contains("small: differs"));
+        for (const char* part : {"State: vertex 77", "\"moved\":\"data:", "\"moved_difference\":\"data:"})
+            CHECK(page_has(result.report, part));
+        CHECK_FALSE(page_has(result.report, "\"after\":"));
     }
     SECTION("a shadow turned off: the state agrees, the picture does not") {
         SceneFile dark = file;
@@ -230,7 +234,9 @@ TEST_CASE("each golden gate fails when it should, for goldens of this build and 
         CHECK(result.rows[1].state.passed);
         CHECK_FALSE(result.rows[1].image.passed);
         CHECK(page_has(result.report, "small: golden frames differ"));
-        CHECK(page_has(result.report, "worst by"));
+        for (const char* part : {"worst by", "\"after\":\"data:", "\"difference\":\"data:"})
+            CHECK(page_has(result.report, part));
+        CHECK_FALSE(page_has(result.report, "\"moved\":"));
     }
     SECTION("a frame shifted by one") {
         const State before = state_at(file, 5);
